@@ -49,6 +49,15 @@ void AddDecisions(CLI::App& command, MapArguments& arguments) {
                   "[DRIVE:]LOOP: closed without doubt, where the images allow to measure it")
       ->allow_extra_args(false);
   command
+      .add_option("--reject-link", arguments.rejected_links,
+                  "DRIVE:KEYFRAME~DRIVE:KEYFRAME, a link of two drives in report.json: it does not "
+                  "join them")
+      ->allow_extra_args(false);
+  command
+      .add_option("--force-link", arguments.forced_links,
+                  "DRIVE:KEYFRAME~DRIVE:KEYFRAME: a link that is not doubted")
+      ->allow_extra_args(false);
+  command
       .add_option(
           "--pin", arguments.pins,
           "[DRIVE:]X,Y,Z=LAT,LON[,HEIGHT]: where a point of the map --from lies on Earth, meters "

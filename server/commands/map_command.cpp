@@ -29,6 +29,7 @@
 #include "server/map_folder/surface_file.h"
 #include "server/map_folder/write_calibration.h"
 #include "server/pipeline/build_map.h"
+#include "server/pipeline/gnss_fixes.h"
 #include "server/pipeline/plan_stages.h"
 #include "server/pipeline/prepare_drive.h"
 #include "server/pipeline/report.h"
@@ -59,6 +60,9 @@ void WriteProducts(const OpenedLogs& logs, const BuiltMap& built, const MapOptio
     WriteFileAtomically(folder / drive.name / "diagnostics.json",
                         EncodeDiagnostics(drive, built.drives[i].diagnostics,
                                           built.drives[i].odometry, built.site.datum));
+    if (const auto fixes = EncodeGnssFixes(drive, built.drives[i].diagnostics.gnss,
+                                           built.drives[i].gnss, built.site.datum))
+      WriteFileAtomically(folder / drive.name / "gnss.json", *fixes);
     WriteFileAtomically(folder / drive.name / "keyframes.json",
                         EncodeKeyframes(drive, built.drives[i].diagnostics.keyframes));
     WriteCalibration(drive.rig, built.drives[i].odometry.calibration,
@@ -115,7 +119,23 @@ BuildScope BuildScopeOf(const MapArguments& arguments,
     AddDecision(loop, drives, &LoopReview::rejected, scope);
   for (const std::string& loop : arguments.forced_loops)
     AddDecision(loop, drives, &LoopReview::forced, scope);
+  scope.links = {arguments.rejected_links, arguments.forced_links};
   return scope;
+}
+
+/// A link can be decided on that a map has: which ones there are is known once drives are joined.
+void CheckLinks(const MapArguments& arguments, const std::vector<std::string>& drives) {
+  const auto ends_of = [&](const std::string& id) {
+    const std::optional<LinkEnds> ends = FindEnds(id, drives);
+    Require(ends.has_value(), ErrorCode::kUsage,
+            "'" + id + "' is no link of these drives: DRIVE:KEYFRAME~DRIVE:KEYFRAME");
+    return *ends;
+  };
+  std::vector<LinkEnds> rejected;
+  for (const std::string& id : arguments.rejected_links) rejected.push_back(ends_of(id));
+  for (const std::string& id : arguments.forced_links)
+    Require(std::find(rejected.begin(), rejected.end(), ends_of(id)) == rejected.end(),
+            ErrorCode::kUsage, "link '" + id + "' is both rejected and forced");
 }
 
 /// Decisions on the loops of one drive, among all.
@@ -147,6 +167,7 @@ void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Pro
   OutputFolder output(arguments.out);
   const OpenedLogs logs = OpenLogs(arguments.logs, arguments.rigs, OpenOptionsOf(arguments));
   RequireOverwritable(arguments.out, NamesOf(logs.drives));
+  CheckLinks(arguments, NamesOf(logs.drives));
   BuildScope scope = BuildScopeOf(arguments, logs.drives, output.staging());
   scope.unreadable = logs.unreadable;
   scope.pins = std::move(pins);

@@ -43,6 +43,10 @@ std::vector<std::string> WorkerCommand(const JobSpec& spec) {
     command.insert(command.end(), {"--reject-loop", loop});
   for (const std::string& loop : spec.forced_loops)
     command.insert(command.end(), {"--force-loop", loop});
+  for (const std::string& link : spec.rejected_links)
+    command.insert(command.end(), {"--reject-link", link});
+  for (const std::string& link : spec.forced_links)
+    command.insert(command.end(), {"--force-link", link});
   if (spec.pins && spec.pins->empty()) command.push_back("--no-pins");
   // One word, because a value that begins with a dash would pass for an option.
   for (const std::string& pin : spec.pins.value_or(std::vector<std::string>()))

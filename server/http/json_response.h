@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/http/json_view.h"
 
@@ -17,6 +18,10 @@ std::optional<std::string> QueryParameter(const httplib::Request& request, const
 /// `limit` (1 to 200, default 50) and `cursor` of a list. Throws
 /// Error{kInvalidInput} for others.
 Page PageOf(const httplib::Request& request);
+
+/// The states that the parameter `review_state` names, with commas between; empty where it is
+/// absent. Throws Error{kInvalidInput} for other words.
+std::vector<ReviewState> ReviewStatesOf(const httplib::Request& request);
 
 /// Sends {"items": [...], "next_cursor": "..." or null}. `rows` were asked for
 /// with one more than `page.limit`, to see whether anything follows.

@@ -13,6 +13,13 @@ Json Parsed(const std::optional<std::string>& text) {
   return json.is_discarded() ? Json(nullptr) : json;
 }
 
+/// Where a job is, or was when it ended without a map.
+Json StageOf(const Job& job, const std::optional<JobProgress>& progress) {
+  if (progress && !progress->stage.empty()) return progress->stage;
+  const bool is_lost = job.state == JobState::kFailed || job.state == JobState::kCancelled;
+  return is_lost ? OrNull(job.last_stage) : Json(nullptr);
+}
+
 /// Null before an engine has the job. `live`: what only the runner knows.
 Json EngineOf(const Job& job, const std::optional<JobProgress>& live) {
   if (!job.place) return nullptr;
@@ -22,6 +29,13 @@ Json EngineOf(const Job& job, const std::optional<JobProgress>& live) {
   return {{"name", job.place->engine},
           {"id", OrNull(id)},
           {"reason", waits ? Json(live->reason) : Json(nullptr)}};
+}
+
+Json ChecklistOrNull(const std::optional<std::vector<ChecklistItem>>& items) {
+  if (!items) return nullptr;
+  Json json = Json::array();
+  for (const ChecklistItem& item : *items) json.push_back({{"id", item.id}, {"text", item.text}});
+  return json;
 }
 
 }  // namespace
@@ -104,7 +118,7 @@ Json ToJson(const Job& job, const std::optional<JobProgress>& live_progress) {
       {"site", job.site},
       {"drives", job.drives},
       {"state", ToText(ShownState(job))},
-      {"stage", progress && !progress->stage.empty() ? Json(progress->stage) : Json(nullptr)},
+      {"stage", StageOf(job, progress)},
       {"progress", progress  ? progress->progress
                    : is_done ? 1.0
                              : 0.0},
@@ -134,11 +148,13 @@ Json ToJson(const Site& site) {
           {"versions", site.versions},
           {"latest_version", site.versions.empty() ? Json(nullptr) : Json(site.versions.back())},
           {"approved_version", OrNull(site.approved_version)},
+          {"review_state", site.review_state ? Json(ToText(*site.review_state)) : Json(nullptr)},
           {"drive_count", site.num_drives},
           {"title", site.title},
           {"note", site.note},
           {"retention", {{"log_days", OrNull(site.log_days)}, {"map_days", OrNull(site.map_days)}}},
           {"default_rig", OrNull(site.default_rig)},
+          {"review_checklist", ChecklistOrNull(site.review_checklist)},
           {"created_at", site.created_at}};
 }
 

@@ -117,6 +117,10 @@ inline constexpr std::array kRoutes = {
           Reach::kPath},
     Route{"POST", "/api/v1/sites/{site}/maps/{version}/review", RouteClass::kApi, Right::kReview,
           Reach::kPath},
+    Route{"GET", "/api/v1/sites/{site}/maps/{version}/checklist", RouteClass::kApi, Right::kSee,
+          Reach::kPath},
+    Route{"PUT", "/api/v1/sites/{site}/maps/{version}/checklist/{item}", RouteClass::kApi,
+          Right::kReview, Reach::kPath},
     Route{"GET", "/api/v1/sites/{site}/maps/{version}/comments", RouteClass::kApi, Right::kSee,
           Reach::kPath},
     Route{"POST", "/api/v1/sites/{site}/maps/{version}/comments", RouteClass::kApi, Right::kReview,
@@ -134,6 +138,10 @@ inline constexpr std::array kRoutes = {
     // It waits for a worker process.
     Route{"GET", "/api/v1/sites/{site}/compare", RouteClass::kDownloads, Right::kSeeMaps,
           Reach::kPath},
+
+    // Over all sites.
+    Route{"GET", "/api/v1/maps", RouteClass::kApi, Right::kSee, Reach::kFiltered},
+    Route{"GET", "/api/v1/comments", RouteClass::kApi, Right::kSee, Reach::kFiltered},
 
     // A session is for who shows a token or a link, which the handlers ask for.
     Route{"GET", "/api/v1/session", RouteClass::kApi, Right::kNone, Reach::kNothing},

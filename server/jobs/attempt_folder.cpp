@@ -58,6 +58,8 @@ AttemptFolder::AttemptFolder(Store& store, const Job& job)
   spec_.from = MapToStartFrom(store, job);
   spec_.rejected_loops = job.review.rejected_loops;
   spec_.forced_loops = job.review.forced_loops;
+  spec_.rejected_links = job.review.rejected_links;
+  spec_.forced_links = job.review.forced_links;
   spec_.pins = job.review.pins;
   spec_.work = store.directory.WorkFolder(job.id);
   spec_.out = RunFolder() / "out";

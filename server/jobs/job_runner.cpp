@@ -204,6 +204,7 @@ std::chrono::milliseconds JobRunner::PauseAfter(const Job& crashed) const {
 void JobRunner::Publish(const Job& job, const std::filesystem::path& products) {
   const SealedMap sealed = SealMap(products);
   if (BeginEnd(job)) {
+    KeepStage(job);
     Persist([&] { FinishCancelledJob(store_, job); });
     return;
   }
@@ -263,10 +264,26 @@ bool JobRunner::BeginEnd(const Job& job) {
   return running.is_cancelled;
 }
 
+/// So that people see how far a job came that made no map.
+void JobRunner::KeepStage(const Job& job) {
+  std::string stage;
+  {
+    const std::lock_guard lock(mutex_);
+    stage = running_.at(job.id).latest.stage;
+  }
+  if (stage.empty()) return;
+  Persist([&] {
+    store_.database.Write(
+        [&](Connection& connection) { SetLastStage(connection, job.id, job.attempt, stage); });
+  });
+}
+
 /// Ends an attempt by `change`, or as cancelled when it was cancelled in its very last moment.
 template <typename Change>
 void JobRunner::End(const Job& job, const Change& change) {
-  if (BeginEnd(job)) {
+  const bool is_cancelled = BeginEnd(job);
+  KeepStage(job);
+  if (is_cancelled) {
     Persist([&] { FinishCancelledJob(store_, job); });
   } else {
     Persist(change);

@@ -87,6 +87,7 @@ class JobRunner {
   Interruption Interrupted(const Job& job) const;
   bool StorePlace(const Job& job, const JobPlace& place);
   bool BeginEnd(const Job& job);
+  void KeepStage(const Job& job);
   template <typename Change>
   void End(const Job& job, const Change& change);
   void Announce(const Job& job, const EngineAttempt& attempt);

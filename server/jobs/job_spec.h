@@ -19,6 +19,7 @@ struct JobSpec {
   std::optional<std::filesystem::path>
       from;  ///< finished map whose odometry is taken instead of tracking again
   std::vector<std::string> rejected_loops, forced_loops;  ///< [DRIVE:]LOOP
+  std::vector<std::string> rejected_links, forced_links;  ///< DRIVE:KEYFRAME~DRIVE:KEYFRAME
   std::optional<std::vector<std::string>>
       pins;                    ///< in the form of --pin; nothing: those of `from`; empty: none
   std::filesystem::path out;   ///< empty folder for the products

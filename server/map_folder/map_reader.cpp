@@ -56,6 +56,9 @@ MapReader::MapReader(const std::filesystem::path& folder) : folder_(folder) {
     }
     for (const Json& drive : report.value("left_out", Json::array()))
       if (drive.contains("streams")) Remember(report, drive);
+    if (const auto join = report.find("join"); join != report.end() && join->contains("review"))
+      link_review_ = {.rejected = join->at("review").at("rejected"),
+                      .forced = join->at("review").at("forced")};
     if (const Json& datum = report.at("datum"); !datum.is_null())
       datum_ = SiteDatum{.latitude_deg = datum.at("latitude_deg").get<double>(),
                          .longitude_deg = datum.at("longitude_deg").get<double>(),

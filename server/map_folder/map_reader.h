@@ -12,6 +12,7 @@
 #include "core/trajectory.h"
 #include "core/triangle_mesh.h"
 #include "slam/loops/close_loops.h"
+#include "slam/sessions/reviewed_links.h"
 
 namespace parkade {
 
@@ -53,6 +54,8 @@ class MapReader {
   std::string OdometryFingerprint(const std::string& drive) const;
   /// Reviewers' decisions on a drive's loops, in this version or in those that it was made from.
   LoopReview ReviewOf(const std::string& drive) const;
+  /// The same on links between its drives.
+  const LinkReview& ReviewOfLinks() const { return link_review_; }
 
   const std::optional<SiteDatum>& datum() const { return datum_; }
   /// Sigmas [m] east, north and up of where any part of the map lies on Earth; 3 m and 5 m of
@@ -67,6 +70,7 @@ class MapReader {
   std::vector<std::string> drives_;
   std::map<std::string, std::string> logs_, tracked_by_;
   std::map<std::string, LoopReview> reviews_;
+  LinkReview link_review_;
   std::optional<SiteDatum> datum_;
   Eigen::Vector3d placement_sigma_{3, 3, 5};
 };

@@ -22,6 +22,7 @@ struct BuildScope {
   std::filesystem::path work;      ///< folder where they are kept, too, for a next try; empty: none
   std::filesystem::path preview;   ///< .glb that shows the map before it is done; empty: none
   std::map<std::string, LoopReview> loops;  ///< what a reviewer decided, by drive
+  LinkReview links;                         ///< the same, between drives
   std::vector<SitePin> pins;                ///< where points of the site lie on Earth
   std::vector<LeftOutDrive> unreadable;     ///< logs that are left out from the beginning
 };

@@ -40,6 +40,7 @@ struct BuiltMap {
   SitePinning pinning;
   DriveJoin join;                  ///< of all drives that have odometry
   std::vector<std::string> names;  ///< of these
+  LinkReview link_review;          ///< decisions that hold, of this build and of those before
   std::vector<LeftOutDrive> left_out;
   std::vector<std::string> warnings;  ///< one sentence each
 };

@@ -1,5 +1,6 @@
 #include "server/pipeline/join_site.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/binary_archive.h"
@@ -101,6 +102,30 @@ class PairCache {
   const std::vector<DriveInWork>& drives_;
 };
 
+/// The decisions of this build and, of the one that it starts from, those that it does not
+/// overrule. Keyframes, by which links are called, are those of the odometry.
+LinkReview LinkReviewFor(const BuildContext& context, const std::vector<DriveInWork>& drives,
+                         const std::vector<std::string>& names) {
+  LinkReview review = context.scope.links;
+  if (!context.from) return review;
+  std::vector<LinkEnds> decided;
+  for (const auto* ids : {&review.rejected, &review.forced})
+    for (const std::string& id : *ids)
+      if (const auto ends = FindEnds(id, names)) decided.push_back(*ends);
+  const auto take = [&](const std::vector<std::string>& before, std::vector<std::string>& now) {
+    for (const std::string& id : before) {
+      const std::optional<LinkEnds> ends = FindEnds(id, names);
+      if (ends && drives[ends->drive_a].is_odometry_taken &&
+          drives[ends->drive_b].is_odometry_taken &&
+          std::find(decided.begin(), decided.end(), *ends) == decided.end())
+        now.push_back(id);
+    }
+  };
+  take(context.from->ReviewOfLinks().rejected, review.rejected);
+  take(context.from->ReviewOfLinks().forced, review.forced);
+  return review;
+}
+
 DriveOutcome OutcomeOf(DriveInWork& drive) {
   const OdometryResult& odometry = drive.odometry.value;
   return {drive.index,  odometry.report,          drive.loops.value,
@@ -115,7 +140,11 @@ void JoinSite(const BuildContext& context, std::vector<DriveInWork>& drives, Bui
   built.site.datum = AlignAllToGnss(options.gnss, drives);
   const std::vector<DriveToJoin> to_join = DescribeDrives(context, drives);
   const PairCache pairs(context, drives);
-  built.join = JoinDrives(to_join, options.loops, options.links, pairs.Known());
+  for (const DriveInWork& drive : drives) built.names.push_back(drive.log->name());
+  built.link_review = LinkReviewFor(context, drives, built.names);
+  built.join = JoinDrives(to_join, options.loops, options.links, pairs.Known(),
+                          ReviewedLinks(built.link_review, built.names));
+  RequireLinks(context.scope.links, built.names, built.join.pairs);
   pairs.Keep(built.join.findings);
 
   bool has_gnss = false;
@@ -123,7 +152,6 @@ void JoinSite(const BuildContext& context, std::vector<DriveInWork>& drives, Bui
   for (size_t i = 0; i < drives.size(); ++i) {
     DriveInWork& drive = drives[i];
     JoinedDrive& joined = built.join.drives[i];
-    built.names.push_back(drive.log->name());
     if (!joined.left_out.empty()) {
       built.left_out.push_back({drive.log->name(), "it does not fit the others: " + joined.left_out,
                                 drive.index, drive.review});

@@ -72,6 +72,20 @@ LoopClosure OldLoops(const MapReader& old_map, const std::string& drive) {
   return bytes ? DecodeLoops(*bytes) : LoopClosure{};
 }
 
+/// The links that the old map was joined by, without those that are rejected now.
+std::vector<KeptLink> LinksWithout(const LinkReview& review, const MapReader& old_map,
+                                   const std::vector<std::string>& names) {
+  const ReviewedLinks reviewed(review, names);
+  std::vector<KeptLink> links = ReadKeptLinks(old_map, names);
+  std::erase_if(links, [&](const KeptLink& link) {
+    const bool is_first = link.drive_a < link.drive_b;
+    return reviewed.Rejects(
+        is_first ? LinkEnds{link.drive_a, link.keyframe_a, link.drive_b, link.keyframe_b}
+                 : LinkEnds{link.drive_b, link.keyframe_b, link.drive_a, link.keyframe_a});
+  });
+  return links;
+}
+
 /// Keyframes are the graph's vertices after the first, which is the world.
 JointDeformation DeformWith(const SiteGraph& site, const TriangleMesh& ground) {
   std::vector<FreeKeyframe> keyframes;
@@ -130,7 +144,7 @@ std::string EncodePreview(const std::filesystem::path& from, const LogHashes& lo
 std::optional<std::string> EncodeJointPreview(const std::filesystem::path& from,
                                               const LogHashes& logs,
                                               std::span<const ClosedDrive> drives,
-                                              const LoopOptions& options) {
+                                              const LinkReview& links, const LoopOptions& options) {
   const MapReader old_map(from);
   std::vector<RevisitedDrive> revisited;
   std::vector<std::string> names;
@@ -144,7 +158,7 @@ std::optional<std::string> EncodeJointPreview(const std::filesystem::path& from,
   if (std::none_of(revisited.begin(), revisited.end(),
                    [](const auto& drive) { return drive.HasChanged(); }))
     return std::nullopt;
-  const SiteGraph site = RegraphSite(revisited, ReadKeptLinks(old_map, names), options);
+  const SiteGraph site = RegraphSite(revisited, LinksWithout(links, old_map, names), options);
   const JointDeformation joint = DeformWith(site, old_map.ReadGround());
   const Rigid3 site_from_joint = old_map.datum() ? StayOnEarth(site, joint.to_from_body) : Rigid3{};
   return Encode(old_map, joint.ground, site_from_joint, {names.begin(), names.end()},
@@ -159,7 +173,7 @@ void PreviewLoops(const BuildContext& context, std::span<const DriveInWork> driv
                       drive.is_odometry_taken});
   const BuildScope& scope = context.scope;
   WritePreview(context, [&] {
-    return EncodeJointPreview(scope.from, scope.logs, closed, context.options.loops);
+    return EncodeJointPreview(scope.from, scope.logs, closed, scope.links, context.options.loops);
   });
 }
 

@@ -33,13 +33,13 @@ std::string EncodePreview(const std::filesystem::path& from, const LogHashes& lo
 
 /// Shows it as soon as loops are closed and before anything is refined: the old map's ground and
 /// all its drives as one problem (RegraphSite, DeformJointly), in the frame of the old map.
-/// `asset.extras.preview` is "joint". Nothing where no drive of the old map has other loops than it
-/// had, or where one of them was tracked again: the next preview is the final one. Throws as
-/// EncodePreview.
+/// `asset.extras.preview` is "joint". Links between drives that are rejected hold nothing. Nothing
+/// where no drive of the old map has other loops than it had, or where one of them was tracked
+/// again: the next preview is the final one. Throws as EncodePreview.
 std::optional<std::string> EncodeJointPreview(const std::filesystem::path& from,
                                               const LogHashes& logs,
                                               std::span<const ClosedDrive> drives,
-                                              const LoopOptions& options);
+                                              const LinkReview& links, const LoopOptions& options);
 
 // The two previews as stages of a build: written to BuildScope::preview, where there is one; each
 // replaces the one before. A preview that cannot be made does not fail the build.

@@ -34,14 +34,16 @@ Json InputToJson(const InputHash& input) {
   return {{"name", input.name}, {"bytes", input.bytes}, {"sha256", input.sha256}};
 }
 
-Json ToJson(const LoopReview& review) {
+/// Decisions on loops, or on links.
+template <typename Review>
+Json ReviewToJson(const Review& review) {
   return {{"rejected", review.rejected}, {"forced", review.forced}};
 }
 
 /// The loops with what reviewers decided on them, which the next build from this map keeps.
 Json LoopsToJson(const DriveOutcome& outcome, const Rig& rig, const std::string& drive) {
   Json json = LoopsToJson(outcome.loops, rig, drive);
-  json["review"] = ToJson(outcome.review);
+  json["review"] = ReviewToJson(outcome.review);
   return json;
 }
 
@@ -124,7 +126,7 @@ Json LeftOutToJson(const LeftOutDrive& drive,
   if (!drive.log) return json;
   json["log"] = InputToJson(inputs.at(drive.name).log);
   json["streams"] = HealthToJson(logs[*drive.log]->health()).value("streams", Json::array());
-  json["loops"]["review"] = ToJson(drive.review);
+  json["loops"]["review"] = ReviewToJson(drive.review);
   return json;
 }
 
@@ -158,7 +160,10 @@ void WriteReport(const BuiltMap& built, const std::vector<std::unique_ptr<Record
   for (size_t i = 0; i < map.drives.size(); ++i)
     report["drives"].push_back(DriveToJson(
         map.drives[i], built.drives[i], *logs[built.drives[i].log], inputs.at(map.drives[i].name)));
-  if (built.names.size() > 1) report["join"] = ToJson(built.join, built.names);
+  if (built.names.size() > 1) {
+    report["join"] = ToJson(built.join, built.names);
+    report["join"]["review"] = ReviewToJson(built.link_review);
+  }
   report["left_out"] = Json::array();
   for (const LeftOutDrive& drive : built.left_out)
     report["left_out"].push_back(LeftOutToJson(drive, logs, inputs));

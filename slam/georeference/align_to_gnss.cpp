@@ -119,8 +119,9 @@ double Quantile(std::vector<double> sorted_values, double share) {
   return sorted_values[static_cast<size_t>(std::ceil(position))];
 }
 
-/// Everything but the datum.
-GnssAlignment Describe(const GnssPairs& pairs, RobustFit&& fit, double correlation_time) {
+/// Everything but the datum. `fixes` are those of the pairs.
+GnssAlignment Describe(const GnssPairs& pairs, const std::vector<GnssFix>& fixes, RobustFit&& fit,
+                       double correlation_time) {
   GnssAlignment alignment;
   const Eigen::Vector3d center_in_odom = pairs.antenna_in_odom * fit.weights / fit.weights.sum();
   for (int round = 0; round < kCorrelatedRounds; ++round) {
@@ -137,7 +138,10 @@ GnssAlignment Describe(const GnssPairs& pairs, RobustFit&& fit, double correlati
   std::vector<double> distances;
   for (Eigen::Index i = 0; i < pairs.size(); ++i) {
     distances.push_back(residuals.col(i).head<2>().norm());
-    if (squared[i] > kOutlierSquaredError) continue;
+    if (squared[i] > kOutlierSquaredError) {
+      alignment.outliers.push_back(fixes[static_cast<size_t>(i)].time);
+      continue;
+    }
     ++alignment.num_inliers;
     horizontal += residuals.col(i).head<2>().squaredNorm();
     vertical += residuals(2, i) * residuals(2, i);
@@ -213,7 +217,7 @@ std::optional<GnssAlignment> AlignToGnss(const Trajectory& odom_from_body,
   RobustFit fit = FitRobustly(pairs);
   pairs = make_pairs(BendOf(pairs, fit, options.odometry_drift));
   fit = FitRobustly(pairs);
-  GnssAlignment alignment = Describe(pairs, std::move(fit), options.correlation_time);
+  GnssAlignment alignment = Describe(pairs, usable, std::move(fit), options.correlation_time);
   alignment.datum = site_datum;
   const bool most_agree =
       alignment.num_inliers >= kMinInliers && 2 * alignment.num_inliers >= alignment.num_fixes;

@@ -36,6 +36,7 @@ struct GnssAlignment {
   double extent = 0;    ///< [m] largest horizontal distance of a used fix from their center
   int num_fixes = 0;    ///< with a pose at their time and of acceptable sigma
   int num_inliers = 0;  ///< of these, not rejected by the robust fit
+  std::vector<Timestamp> outliers = {};           ///< times of those that it rejected
   double horizontal_rmse = 0, vertical_rmse = 0;  ///< [m] of the inliers
   double cep50 = 0,
          cep95 = 0;  ///< [m] horizontal error that 50 % and 95 % of all num_fixes stay under

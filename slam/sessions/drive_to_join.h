@@ -23,6 +23,12 @@ struct DriveToJoin {
   CovarianceModes modes = {};         ///< how it may be off; empty: the random walk of AddKeyframes
 };
 
+/// A link that was found, and that a reviewer rejected.
+struct RejectedLink {
+  SessionLoop link;
+  double chi_squared = 0;  ///< [sigma^2] of it once all drives are joined without it
+};
+
 /// Two drives and what links them.
 struct DrivePair {
   size_t drive_a = 0, drive_b = 0;
@@ -30,7 +36,11 @@ struct DrivePair {
   std::vector<double> weights;      ///< of found.links: 1 where the joint graph believed it
   std::vector<double> chi_squared;  ///< [sigma^2] of found.links once all drives are joined
 
+  std::vector<bool> is_forced = {};         ///< of found.links, by a reviewer; empty: none is
+  std::vector<RejectedLink> rejected = {};  ///< not among found.links any more
+
   int num_accepted() const;
+  bool IsForced(size_t link) const { return link < is_forced.size() && is_forced[link]; }
 };
 
 /// Two drives by their indices, the lower one first.

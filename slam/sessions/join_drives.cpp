@@ -85,10 +85,15 @@ class JointGraph {
 
   void AddLinks(const DrivePair& pair) {
     first_link_.push_back(graph_.edges.size());
-    for (const SessionLoop& link : pair.found.links)
-      graph_.edges.push_back({first_vertex_[pair.drive_a] + link.keyframe_a,
-                              first_vertex_[pair.drive_b] + link.keyframe_b, link.pose.a_from_b,
-                              link.pose.information, false});
+    for (size_t i = 0; i < pair.found.links.size(); ++i)
+      graph_.edges.push_back(EdgeOf(pair, pair.found.links[i], pair.IsForced(i)));
+  }
+
+  /// How far the links that a reviewer rejected are from what all others say.
+  void MeasureRejected(DrivePair& pair) const {
+    for (RejectedLink& rejected : pair.rejected)
+      rejected.chi_squared = SquaredError(graph_, EdgeOf(pair, rejected.link, false),
+                                          PoseGraphObjective::kInformation);
   }
 
   /// Sets the weights of the pairs in the order in which their links were added.
@@ -113,6 +118,12 @@ class JointGraph {
   }
 
  private:
+  PoseGraphEdge EdgeOf(const DrivePair& pair, const SessionLoop& link, bool is_trusted) const {
+    return {first_vertex_[pair.drive_a] + link.keyframe_a,
+            first_vertex_[pair.drive_b] + link.keyframe_b, link.pose.a_from_b,
+            link.pose.information, is_trusted};
+  }
+
   PoseGraph graph_;
   std::vector<size_t> first_vertex_;  ///< per drive
   std::vector<size_t> first_link_;    ///< per pair: its first edge
@@ -132,6 +143,8 @@ void SolveGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t
     used.push_back(&pair);
   }
   if (!used.empty()) graph.Solve(used);
+  for (DrivePair& pair : pairs)
+    if (frames[pair.drive_a] && frames[pair.drive_b]) graph.MeasureRejected(pair);
   for (size_t i = 0; i < drives.size(); ++i)
     if (frames[i]) poses[i] = graph.Poses(i, drives[i].keyframes.size());
 }
@@ -203,7 +216,8 @@ std::vector<RigKeyframe> KeyframesAlong(const Trajectory& odometry,
 }
 
 DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
-                     const SessionLoopOptions& links, const PairFindings& known) {
+                     const SessionLoopOptions& links, const PairFindings& known,
+                     const ReviewedLinks& reviewed) {
   links.Validate();
   const auto start = std::chrono::steady_clock::now();
   DriveJoin join;
@@ -216,6 +230,7 @@ DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& 
   MatchedSessions matched = MatchAllSessions(drives, loops, links, known);
   join.pairs = std::move(matched.pairs);
   join.findings = std::move(matched.findings);
+  for (DrivePair& pair : join.pairs) reviewed.Judge(pair);
 
   // Links that the joint graph rejects may leave drives apart that seemed to hang together.
   std::vector<size_t> groups = FindGroups(drives.size(), join.pairs), before;

@@ -5,6 +5,7 @@
 
 #include "slam/sessions/adjust_jointly.h"
 #include "slam/sessions/drive_to_join.h"
+#include "slam/sessions/reviewed_links.h"
 
 namespace parkade {
 
@@ -30,13 +31,14 @@ struct DriveJoin {
 
 /// Joins drives of one site: links between them by MatchAllSessions; one pose graph of the
 /// keyframes of all drives that links hold together, with the drives' own loops and gravity, in
-/// which graduated non-convexity doubts the links; all these drives adjusted at once, each as its
-/// own refinement allows (AdjustJointly); then each such group is placed on Earth by the GNSS of
-/// its drives, rigidly. The largest set of drives that hang together by links or by GNSS is kept
-/// (of equal ones the one with the longest way); any other drive is left out with a reason. `site`
-/// is the datum's tangent plane where a kept drive has GNSS, else the odometry frame of the first
-/// kept drive. A single drive is only placed.
+/// which graduated non-convexity doubts the links but for those that a reviewer forces; all these
+/// drives adjusted at once, each as its own refinement allows (AdjustJointly); then each such group
+/// is placed on Earth by the GNSS of its drives, rigidly. The largest set of drives that hang
+/// together by links or by GNSS is kept (of equal ones the one with the longest way); any other
+/// drive is left out with a reason. `site` is the datum's tangent plane where a kept drive has
+/// GNSS, else the odometry frame of the first kept drive. A single drive is only placed.
 DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
-                     const SessionLoopOptions& links, const PairFindings& known = {});
+                     const SessionLoopOptions& links, const PairFindings& known = {},
+                     const ReviewedLinks& reviewed = {});
 
 }  // namespace parkade

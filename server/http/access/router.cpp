@@ -22,6 +22,7 @@ constexpr std::array kParameters = {
     Parameter{"{site}", kName},
     Parameter{"{rig}", kName},
     Parameter{"{camera}", kName},
+    Parameter{"{item}", kName},
     Parameter{"{version}", "([0-9]{1,9})"},
     Parameter{"{alias}", "(latest|approved)"},
     Parameter{"{file}", "([A-Za-z0-9][A-Za-z0-9._/-]{0,255})"},

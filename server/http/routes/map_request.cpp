@@ -53,19 +53,25 @@ std::vector<std::string> PinsOf(const Json& value) {
 }  // namespace
 
 MapRequest ReadMapRequest(const httplib::ContentReader& body) {
-  const Json json =
-      ReadObject(body, {"drives", "from", "reject_loops", "force_loops", "pins"}, kMaxBytes);
+  const Json json = ReadObject(
+      body,
+      {"drives", "from", "reject_loops", "force_loops", "reject_links", "force_links", "pins"},
+      kMaxBytes);
   MapRequest request;
   request.drives = WordsIn(json, "drives");
   request.review.from_version = IntegerIn(json, "from");
   request.review.rejected_loops = WordsIn(json, "reject_loops");
   request.review.forced_loops = WordsIn(json, "force_loops");
+  request.review.rejected_links = WordsIn(json, "reject_links");
+  request.review.forced_links = WordsIn(json, "force_links");
   if (const auto pins = json.find("pins"); pins != json.end() && !pins->is_null())
     request.review.pins = PinsOf(*pins);
-  const bool decides = !request.review.rejected_loops.empty() ||
-                       !request.review.forced_loops.empty() || request.review.pins;
-  Require(!decides || request.review.from_version, ErrorCode::kInvalidInput,
-          "loops and pins are those of a version: name it in \"from\"");
+  const MapReview& review = request.review;
+  const bool decides = !review.rejected_loops.empty() || !review.forced_loops.empty() ||
+                       !review.rejected_links.empty() || !review.forced_links.empty() ||
+                       review.pins;
+  Require(!decides || review.from_version, ErrorCode::kInvalidInput,
+          "loops, links and pins are those of a version: name it in \"from\"");
   return request;
 }
 

@@ -16,8 +16,9 @@ struct MapRequest {
 };
 
 /// Reads {"drives": [ID, ...], "from": VERSION, "reject_loops": [LOOP, ...], "force_loops": [LOOP,
-/// ...], "pins": [{"point": [X, Y, Z], "latitude": LAT, "longitude": LON, "height": HEIGHT,
-/// "drive": NAME}, ...]}, all of them optional. Throws Error{kInvalidInput}.
+/// ...], "reject_links": [LINK, ...], "force_links": [LINK, ...], "pins": [{"point": [X, Y, Z],
+/// "latitude": LAT, "longitude": LON, "height": HEIGHT, "drive": NAME}, ...]}, all of them
+/// optional. Throws Error{kInvalidInput}.
 MapRequest ReadMapRequest(const httplib::ContentReader& body);
 
 }  // namespace parkade

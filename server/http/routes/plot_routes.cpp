@@ -31,43 +31,50 @@ Json HeadOf(const DriveInMap& found) {
   return {{"drive", found.drive.id}, {"site", found.map.site}, {"version", found.map.version}};
 }
 
-void SendPlots(RouteContext& context, const httplib::Request& request,
-               httplib::Response& response) {
-  const int points = PointsOf(request);
-  const DriveInMap found =
-      FindDriveInMap(context.store, request.matches[1], QueryParameter(request, "version"));
-  Json json = HeadOf(found);
-  json.update(ReadJsonOfDrive(context.store, found, "diagnostics.json"));
-  for (Json& series : json.at("series")) {
-    const TimeSeries thin = ThinSeries({series.at("times").get<std::vector<double>>(),
-                                        series.at("values").get<std::vector<double>>()},
-                                       points);
-    series["count"] = series.at("values").size();
-    series["times"] = thin.times;
-    series["values"] = thin.values;
-  }
-  SendJson(response, 200, json);
-}
-
-/// A keyframe's time may be asked for in decimal seconds.
 Timestamp TimeParameter(const httplib::Request& request, const char* name, Timestamp otherwise) {
   const auto text = QueryParameter(request, name);
   return text ? ParseSeconds(*text) : otherwise;
 }
 
+/// The stretch of the drive's clock between the parameters `from` and `to`.
+TimeSpan RangeOf(const httplib::Request& request) {
+  const TimeSpan range{TimeParameter(request, "from", {0}),
+                       TimeParameter(request, "to", {std::numeric_limits<std::int64_t>::max()})};
+  Require(range.begin <= range.end, ErrorCode::kInvalidInput, "'from' lies after 'to'");
+  return range;
+}
+
+void SendPlots(RouteContext& context, const httplib::Request& request,
+               httplib::Response& response) {
+  const int points = PointsOf(request);
+  const TimeSpan range = RangeOf(request);
+  const DriveInMap found =
+      FindDriveInMap(context.store, request.matches[1], QueryParameter(request, "version"));
+  Json json = HeadOf(found);
+  json.update(ReadJsonOfDrive(context.store, found, "diagnostics.json"));
+  const Timestamp start = ParseSeconds(json.at("start"));
+  for (Json& series : json.at("series")) {
+    const TimeSeries all{series.at("times").get<std::vector<double>>(),
+                         series.at("values").get<std::vector<double>>()};
+    const ThinnedRange thin = ThinRange(all, range.begin - start, range.end - start, points);
+    series["count"] = thin.count;
+    series["times"] = thin.series.times;
+    series["values"] = thin.series.values;
+  }
+  SendJson(response, 200, json);
+}
+
 void SendKeyframes(RouteContext& context, const httplib::Request& request,
                    httplib::Response& response) {
   const auto points = static_cast<size_t>(PointsOf(request));
-  const Timestamp from = TimeParameter(request, "from", {0}),
-                  to = TimeParameter(request, "to", {std::numeric_limits<std::int64_t>::max()});
+  const TimeSpan range = RangeOf(request);
   const DriveInMap found =
       FindDriveInMap(context.store, request.matches[1], QueryParameter(request, "version"));
   Json json = HeadOf(found);
   json.update(ReadJsonOfDrive(context.store, found, "keyframes.json"));
   Json inside = Json::array(), kept = Json::array();
   for (Json& keyframe : json.at("keyframes")) {
-    const Timestamp time = ParseSeconds(keyframe.at("time"));
-    if (from <= time && time <= to) inside.push_back(std::move(keyframe));
+    if (range.Contains(ParseSeconds(keyframe.at("time")))) inside.push_back(std::move(keyframe));
   }
   const size_t count = inside.size(), num_kept = std::min(count, points);
   for (size_t i = 0; i < num_kept; ++i) kept.push_back(std::move(inside[i * count / num_kept]));

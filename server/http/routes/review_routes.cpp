@@ -1,7 +1,9 @@
+#include "core/error.h"
 #include "server/http/json_response.h"
 #include "server/http/routes/json_body.h"
 #include "server/http/routes/review_view.h"
 #include "server/http/routes/routes.h"
+#include "server/store/review/checklist.h"
 #include "server/store/review/review.h"
 
 namespace parkade {
@@ -48,6 +50,27 @@ void AddReviewRoutes(Router& routes, RouteContext& context) {
               const Page page;
               SendJson(response, 200,
                        PageToJson(page, ReviewOf(context.store, site, version, WithOneMore(page))));
+            });
+
+  routes.On("GET /api/v1/sites/{site}/maps/{version}/checklist",
+            [&context](const httplib::Request& request, httplib::Response& response) {
+              SendJson(response, 200,
+                       ToJson(ChecklistOf(context.store, request.matches[1],
+                                          std::stoll(request.matches[2]))));
+            });
+
+  routes.On("PUT /api/v1/sites/{site}/maps/{version}/checklist/{item}",
+            [&context](const httplib::Request& request, httplib::Response& response,
+                       const httplib::ContentReader& body) {
+              const std::string site = request.matches[1];
+              const std::int64_t version = std::stoll(request.matches[2]);
+              const auto is_ticked = FlagIn(ReadObject(body, {"ticked"}), "ticked");
+              Require(is_ticked.has_value(), ErrorCode::kInvalidInput,
+                      "\"ticked\" says whether the item is ticked: true or false");
+              const Checklist checklist = TickItem(context.store, site, version, request.matches[3],
+                                                   *is_ticked, CurrentCaller().name);
+              context.events.Publish("review", site + "/" + std::to_string(version));
+              SendJson(response, 200, ToJson(checklist));
             });
 }
 

@@ -16,12 +16,41 @@ Json PinOrNull(const CommentPin& pin) {
   return json;
 }
 
+Json EntriesToJson(const std::vector<ChecklistEntry>& entries) {
+  Json json = Json::array();
+  for (const ChecklistEntry& entry : entries)
+    json.push_back({{"id", entry.item.id},
+                    {"text", entry.item.text},
+                    {"ticked_by", OrNull(entry.ticked_by)},
+                    {"ticked_at", OrNull(entry.ticked_at)}});
+  return json;
+}
+
 }  // namespace
 
 Json ToJson(const ReviewEntry& entry) {
-  return {{"action", entry.action}, {"from", ToText(entry.from)},
-          {"to", ToText(entry.to)}, {"comment", entry.comment},
-          {"author", entry.author}, {"created_at", entry.created_at}};
+  return {{"action", entry.action},
+          {"from", ToText(entry.from)},
+          {"to", ToText(entry.to)},
+          {"comment", entry.comment},
+          {"author", entry.author},
+          {"created_at", entry.created_at},
+          {"checklist", entry.checklist ? EntriesToJson(*entry.checklist) : Json(nullptr)}};
+}
+
+Json ToJson(const Checklist& checklist) {
+  return {{"site", checklist.site},
+          {"version", checklist.version},
+          {"usual", checklist.is_usual},
+          {"items", EntriesToJson(checklist.entries)}};
+}
+
+Json ToJson(const CommentThread& thread) {
+  return {{"first", ToJson(thread.first)},
+          {"answers", thread.num_answers},
+          {"last_author", thread.last_author},
+          {"last_at", thread.last_at},
+          {"review_state", ToText(thread.review_state)}};
 }
 
 Json ToJson(const Comment& comment) {

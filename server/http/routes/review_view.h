@@ -1,6 +1,7 @@
 #pragma once
 
 #include "server/http/json_view.h"
+#include "server/store/review/checklist.h"
 #include "server/store/review/review.h"
 #include "server/store/tables/comment_table.h"
 #include "server/store/tables/delivery_table.h"
@@ -12,7 +13,9 @@ namespace parkade {
 // Rows about reviews and webhooks as the API shows them (openapi.json, components/schemas).
 
 Json ToJson(const ReviewEntry& entry);
+Json ToJson(const Checklist& checklist);
 Json ToJson(const Comment& comment);
+Json ToJson(const CommentThread& thread);
 Json ToJson(const Measurement& measurement);
 /// Without its secret, which is shown once.
 Json ToJson(const Webhook& webhook);

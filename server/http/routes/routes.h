@@ -21,6 +21,7 @@ void AddSiteRoutes(Router& routes, RouteContext& context);
 void AddReviewRoutes(Router& routes, RouteContext& context);
 void AddCommentRoutes(Router& routes, RouteContext& context);
 void AddMapRoutes(Router& routes, RouteContext& context);
+void AddOverviewRoutes(Router& routes, RouteContext& context);
 void AddMeasurementRoutes(Router& routes, RouteContext& context);
 void AddWebhookRoutes(Router& routes, RouteContext& context);
 void AddCompareRoute(Router& routes, RouteContext& context);

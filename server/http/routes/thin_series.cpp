@@ -43,4 +43,26 @@ TimeSeries ThinSeries(const TimeSeries& series, int max_points) {
   return thin;
 }
 
+ThinnedRange ThinRange(const TimeSeries& series, double begin, double end, int max_points) {
+  const auto& times = series.times;
+  const auto first = std::lower_bound(times.begin(), times.end(), begin) - times.begin(),
+             last = std::upper_bound(times.begin(), times.end(), end) - times.begin();
+  const auto& values = series.values;
+  ThinnedRange thin;
+  thin.count = static_cast<size_t>(std::max<std::ptrdiff_t>(0, last - first));
+  if (thin.count > 0)
+    thin.series = ThinSeries({{times.begin() + first, times.begin() + last},
+                              {values.begin() + first, values.begin() + last}},
+                             max_points);
+  if (first > 0) {
+    thin.series.times.insert(thin.series.times.begin(), times[static_cast<size_t>(first) - 1]);
+    thin.series.values.insert(thin.series.values.begin(), values[static_cast<size_t>(first) - 1]);
+  }
+  if (static_cast<size_t>(last) < times.size()) {
+    thin.series.times.push_back(times[static_cast<size_t>(last)]);
+    thin.series.values.push_back(values[static_cast<size_t>(last)]);
+  }
+  return thin;
+}
+
 }  // namespace parkade

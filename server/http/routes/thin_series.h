@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace parkade {
@@ -15,5 +16,14 @@ struct TimeSeries {
 /// value, in order of time. A series that is short enough stays as it is. Values that are not
 /// finite are left out.
 TimeSeries ThinSeries(const TimeSeries& series, int max_points);
+
+struct ThinnedRange {
+  TimeSeries series;
+  std::size_t count = 0;  ///< of the samples within the range, before they were thinned
+};
+
+/// The samples of a series between two times, thinned to `max_points` by themselves, and the next
+/// ones on either side, so that a line runs to the edges of its plot.
+ThinnedRange ThinRange(const TimeSeries& series, double begin, double end, int max_points);
 
 }  // namespace parkade

@@ -214,6 +214,7 @@ class Service::Parts {
     AddMapRoutes(router, *context_);
     AddCompareRoute(router, *context_);
     AddSiteRoutes(router, *context_);
+    AddOverviewRoutes(router, *context_);
     AddMeasurementRoutes(router, *context_);
     AddWebhookRoutes(router, *context_);
     AddEventRoute(router, *context_);

@@ -67,6 +67,7 @@ class RecordedStream : public RecordStream {
   RecordedStream(std::shared_ptr<RecordedDriveParts> parts, const ReadOptions& options)
       : parts_(std::move(parts)),
         wanted_(WantedStreams(parts_->survey.streams, options)),
+        chooses_images_(options.wants_image != nullptr),
         tally_(wanted_.size()) {
     const RecordedDriveParts& drive = *parts_;
     ArrivalStream::Filter filter;
@@ -104,7 +105,8 @@ class RecordedStream : public RecordStream {
     std::vector<StreamHealth> found = ahead_->source().Health();
     const std::lock_guard lock(parts_->health_mutex);
     for (std::size_t i = 0; i < found.size(); ++i) {
-      if (!wanted_[i]) continue;
+      // Who chose some images does not know how many there are.
+      if (!wanted_[i] || (chooses_images_ && parts_->survey.streams[i].camera >= 0)) continue;
       found[i].num_delivered = tally_[i].num_delivered;
       for (std::size_t reason = 0; reason < kNumDropReasons; ++reason)
         found[i].num_dropped[reason] += tally_[i].num_dropped[reason];
@@ -115,6 +117,7 @@ class RecordedStream : public RecordStream {
 
   std::shared_ptr<RecordedDriveParts> parts_;
   std::vector<bool> wanted_;
+  bool chooses_images_;
   std::vector<StreamHealth> tally_;  ///< delivered, and dropped while decoding
   std::unique_ptr<DecodeAhead> ahead_;
   bool is_reported_ = false;

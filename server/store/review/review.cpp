@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "server/store/access/audit_log.h"
+#include "server/store/review/checklist.h"
 #include "server/store/tables/names.h"
 #include "server/store/tables/outbox.h"
 #include "server/store/tables/text_rules.h"
@@ -29,7 +30,7 @@ constexpr std::array kTransitions = {Transition{"submit", State::kDraft, State::
 constexpr size_t kMaxReason = 4000;           // [bytes]
 constexpr std::int64_t kMaxEntries = 10'000;  // of one version
 
-const std::string kComment = "comment";
+const std::string kComment = "comment", kApprove = "approve", kReject = "reject";
 
 void CheckStep(const ReviewStep& step) {
   const bool is_known = step.action == kComment ||
@@ -37,10 +38,10 @@ void CheckStep(const ReviewStep& step) {
                                     [&](const Transition& t) { return step.action == t.action; });
   Require(is_known, ErrorCode::kInvalidInput,
           "\"action\" is one of submit, approve, reject, reopen and comment");
-  const bool needs_reason = step.action == "reject" || step.action == kComment;
+  const bool needs_reason = step.action == kReject || step.action == kComment;
   Require(!needs_reason || !step.comment.empty(), ErrorCode::kInvalidInput,
-          step.action == "reject" ? "a rejection needs its reason in \"comment\""
-                                  : "a remark needs its text in \"comment\"");
+          step.action == kReject ? "a rejection needs its reason in \"comment\""
+                                 : "a remark needs its text in \"comment\"");
   CheckText(step.comment, {.name = "comment",
                            .max_bytes = kMaxReason,
                            .is_required = needs_reason,
@@ -80,7 +81,11 @@ ReviewEntry ReviewVersion(Store& store, const std::string& site, std::int64_t ve
     Require(CountReviewEntries(connection, map.id) < kMaxEntries, ErrorCode::kConflict,
             NameOf(map) + " has a history of " + std::to_string(kMaxEntries) +
                 " entries, and takes no more");
-    const ReviewEntry made{0, step.action, map.review_state, next, step.comment, author, NowUtc()};
+    ReviewEntry made{0,      step.action, map.review_state, next, step.comment,
+                     author, NowUtc(),    std::nullopt};
+    // What was open then is told to whoever asks later why a map was let through.
+    if (step.action == kApprove || step.action == kReject)
+      made.checklist = EntriesOf(connection, map);
     AddReviewEntry(connection, map.id, made);
     RecordAudit(connection, "map.review", site + "/" + std::to_string(version),
                 "{\"action\":\"" + step.action + "\",\"to\":\"" + ToText(next) + "\"}");

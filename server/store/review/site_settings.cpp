@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "server/store/access/audit_log.h"
+#include "server/store/review/checklist.h"
 #include "server/store/tables/names.h"
 #include "server/store/tables/rig_table.h"
 #include "server/store/tables/site_table.h"
@@ -25,6 +26,8 @@ void CheckChange(const SiteChange& change) {
     CheckText(*change.note, {.name = "note", .max_bytes = kMaxNote, .may_have_lines = true});
   CheckDays(change.log_days);
   CheckDays(change.map_days);
+  if (const auto& checklist = change.review_checklist.value_or(std::nullopt))
+    CheckChecklist(*checklist);
 }
 
 }  // namespace
@@ -45,6 +48,7 @@ ChangedSite ChangeSite(Store& store, const std::string& name, const SiteChange& 
     if (change.log_days) site.log_days = *change.log_days;
     if (change.map_days) site.map_days = *change.map_days;
     if (change.default_rig) site.default_rig = *change.default_rig;
+    if (change.review_checklist) site.review_checklist = *change.review_checklist;
     SetSiteSettings(connection, site);
     RecordAudit(connection, "site.change", name);
     changed.site = site;

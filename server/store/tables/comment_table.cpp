@@ -90,6 +90,32 @@ std::vector<Comment> ListComments(Connection& connection, const std::string& map
   return comments;
 }
 
+std::vector<CommentThread> ListThreads(Connection& connection, const Page& page,
+                                       const ThreadFilter& filter) {
+  std::optional<std::int64_t> is_resolved;
+  if (filter.is_resolved) is_resolved = *filter.is_resolved ? 1 : 0;
+  Statement query = connection.Query(
+      R"(SELECT first.id, last.sequence, last.author, last.created_at, maps.review_state,
+                (SELECT count(*) FROM comments WHERE thread = first.id)
+         FROM comments first
+           JOIN maps ON maps.id = first.map
+           JOIN comments last ON last.sequence =
+             (SELECT max(sequence) FROM comments WHERE id = first.id OR thread = first.id)
+         WHERE first.thread IS NULL AND maps.files_deleted_at IS NULL AND last.sequence < ?1
+           AND (?2 IS NULL OR maps.site IN (SELECT value FROM json_each(?2)))
+           AND (?3 IS NULL OR maps.site = ?3)
+           AND (?4 IS NULL OR (first.resolved_at IS NOT NULL) = ?4)
+           AND (?5 IS NULL OR maps.review_state IN (SELECT value FROM json_each(?5)))
+         ORDER BY last.sequence DESC LIMIT ?6)",
+      page.before, JsonOf(filter.scope), filter.site, is_resolved, JsonOf(filter.states),
+      page.limit);
+  std::vector<CommentThread> threads;
+  while (query.Step())
+    threads.push_back({query.Integer(1), FindComment(connection, query.Text(0)), query.Integer(5),
+                       query.Text(2), query.Text(3), ReviewStateFromText(query.Text(4))});
+  return threads;
+}
+
 CommentCounts CountComments(Connection& connection, const std::string& map) {
   Statement query = connection.Query(
       R"(SELECT count(*) FILTER (WHERE deleted_at IS NULL),

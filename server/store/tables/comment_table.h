@@ -7,6 +7,7 @@
 
 #include "server/store/tables/database.h"
 #include "server/store/tables/records.h"
+#include "server/store/tables/site_scope.h"
 
 namespace parkade {
 
@@ -49,6 +50,27 @@ Comment FindComment(Connection& connection, const std::string& id);
 /// Newest first; only the answers of `thread` and its first comment where given.
 std::vector<Comment> ListComments(Connection& connection, const std::string& map,
                                   const std::optional<std::string>& thread, const Page& page);
+
+/// A thread as an overview shows it.
+struct CommentThread {
+  std::int64_t sequence = 0;  ///< of what was said last
+  Comment first;
+  std::int64_t num_answers = 0;
+  std::string last_author, last_at;                ///< of what was said last
+  ReviewState review_state = ReviewState::kDraft;  ///< of the version it is about
+};
+
+/// Which threads of all sites are asked for.
+struct ThreadFilter {
+  SiteScope scope = {};
+  std::optional<std::string> site = {};
+  std::optional<bool> is_resolved = {};
+  std::vector<ReviewState> states = {};  ///< of the version; empty: any
+};
+
+/// Threads of all versions whose files are stored; those first that something was said in last.
+std::vector<CommentThread> ListThreads(Connection& connection, const Page& page,
+                                       const ThreadFilter& filter);
 
 struct CommentCounts {
   std::int64_t comments = 0, open_threads = 0, resolved_threads = 0;

@@ -11,14 +11,17 @@ namespace {
 
 const std::string kSelect = R"(
   SELECT sequence, id, site, state, attempt, crashes, error, error_code, pid, pid_started, map_version, created_at,
-         started_at, finished_at, review, service_ends, new_drive, not_before, engine, engine_id, engine_waits, cancel_asked
+         started_at, finished_at, review, service_ends, new_drive, not_before, engine, engine_id, engine_waits, cancel_asked,
+         last_stage
   FROM jobs )";
 
 std::optional<std::string> ReviewToText(const MapReview& review) {
   if (!review.from_version) return std::nullopt;
   nlohmann::json json = {{"from", *review.from_version},
                          {"reject_loops", review.rejected_loops},
-                         {"force_loops", review.forced_loops}};
+                         {"force_loops", review.forced_loops},
+                         {"reject_links", review.rejected_links},
+                         {"force_links", review.forced_links}};
   if (review.pins) json["pins"] = *review.pins;
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -26,9 +29,15 @@ std::optional<std::string> ReviewToText(const MapReview& review) {
 MapReview ReviewFromText(const std::optional<std::string>& text) {
   if (!text) return {};
   const nlohmann::json json = nlohmann::json::parse(*text);
+  const auto words = [&](const char* key) {
+    return json.value(key, std::vector<std::string>());  // an older program knew no links
+  };
   MapReview review{json.at("from").get<std::int64_t>(),
-                   json.at("reject_loops").get<std::vector<std::string>>(),
-                   json.at("force_loops").get<std::vector<std::string>>(), std::nullopt};
+                   words("reject_loops"),
+                   words("force_loops"),
+                   words("reject_links"),
+                   words("force_links"),
+                   std::nullopt};
   if (const auto pins = json.find("pins"); pins != json.end())
     review.pins = pins->get<std::vector<std::string>>();
   return review;
@@ -56,6 +65,7 @@ Job FromRow(Connection& connection, const Statement& row) {
   job.new_drive = OptionalText(row, 16);
   job.not_before = OptionalText(row, 17);
   job.is_cancel_asked = row.Integer(21) != 0;
+  job.last_stage = OptionalText(row, 22);
   Statement drives =
       connection.Query("SELECT drive FROM job_drives WHERE job = ? ORDER BY position", job.id);
   while (drives.Step()) job.drives.push_back(drives.Text(0));
@@ -197,8 +207,16 @@ void DropDeletedDrives(Connection& connection, const std::string& id) {
 void StartJob(Connection& connection, const std::string& id) {
   connection.Execute(
       "UPDATE jobs SET state = ?, attempt = attempt + 1, started_at = ?, error = NULL, error_code "
-      "= NULL, not_before = NULL, engine = NULL, engine_id = NULL, engine_waits = 0 WHERE id = ?",
+      "= NULL, not_before = NULL, engine = NULL, engine_id = NULL, engine_waits = 0, last_stage = "
+      "NULL WHERE "
+      "id = ?",
       Word(JobState::kRunning), NowUtc(), id);
+}
+
+void SetLastStage(Connection& connection, const std::string& id, int attempt,
+                  const std::string& stage) {
+  connection.Execute("UPDATE jobs SET last_stage = ? WHERE id = ? AND attempt = ? AND state = ?",
+                     stage, id, attempt, Word(JobState::kRunning));
 }
 
 void SetJobPlace(Connection& connection, const std::string& id, int attempt,

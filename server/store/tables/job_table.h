@@ -60,6 +60,10 @@ void StartJob(Connection& connection, const std::string& id);
 /// Notes where a running attempt is. One that waited until now starts now.
 void SetJobPlace(Connection& connection, const std::string& id, int attempt, const JobPlace& place);
 
+/// Notes the stage of a running attempt that is about to end without a map.
+void SetLastStage(Connection& connection, const std::string& id, int attempt,
+                  const std::string& stage);
+
 struct JobEnd {
   JobState state = JobState::kDone;
   std::optional<std::string> error, error_code;

@@ -108,6 +108,20 @@ std::vector<MapVersion> ListMaps(Connection& connection, const std::string& site
   return maps;
 }
 
+std::vector<MapVersion> ListAllMaps(Connection& connection, const Page& page,
+                                    const SiteScope& scope,
+                                    const std::vector<ReviewState>& states) {
+  Statement query = connection.Query(
+      kSelect +
+          "WHERE sequence < ?1 AND (?2 IS NULL OR site IN (SELECT value FROM json_each(?2))) AND "
+          "(?3 IS NULL OR review_state IN (SELECT value FROM json_each(?3))) ORDER BY sequence "
+          "DESC LIMIT ?4",
+      page.before, JsonOf(scope), JsonOf(states), page.limit);
+  std::vector<MapVersion> maps;
+  while (query.Step()) maps.push_back(FromRow(query));
+  return maps;
+}
+
 PublishedFile FindMapFile(Connection& connection, const std::string& site, std::int64_t version,
                           const std::string& name) {
   Statement query = connection.Query(

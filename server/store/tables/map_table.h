@@ -6,6 +6,7 @@
 
 #include "server/store/tables/database.h"
 #include "server/store/tables/records.h"
+#include "server/store/tables/site_scope.h"
 
 namespace parkade {
 
@@ -29,6 +30,11 @@ void MarkFilesDeleted(Connection& connection, const std::string& id, const std::
 
 /// Newest first, without files and drives.
 std::vector<MapVersion> ListMaps(Connection& connection, const std::string& site, const Page& page);
+
+/// Versions of all sites in `scope`, newest first, without files and drives; only those in one of
+/// `states` where there are any.
+std::vector<MapVersion> ListAllMaps(Connection& connection, const Page& page,
+                                    const SiteScope& scope, const std::vector<ReviewState>& states);
 
 /// One file of a published map.
 struct PublishedFile {

@@ -46,6 +46,15 @@ State StateOf(const Words<State, size>& words, const std::string& text) {
 const char* ToText(DriveState state) { return TextOf(kDriveStates, state); }
 const char* ToText(JobState state) { return TextOf(kJobStates, state); }
 const char* ToText(ReviewState state) { return TextOf(kReviewStates, state); }
+
+std::optional<std::string> JsonOf(const std::vector<ReviewState>& states) {
+  if (states.empty()) return std::nullopt;
+  std::string json;
+  for (const ReviewState state : states)
+    json += (json.empty() ? "[\"" : ",\"") + std::string(ToText(state)) + '"';
+  return json + "]";
+}
+
 DriveState DriveStateFromText(const std::string& text) { return StateOf(kDriveStates, text); }
 JobState JobStateFromText(const std::string& text) { return StateOf(kJobStates, text); }
 ReviewState ReviewStateFromText(const std::string& text) { return StateOf(kReviewStates, text); }

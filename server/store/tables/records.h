@@ -25,6 +25,9 @@ DriveState DriveStateFromText(const std::string& text);
 JobState JobStateFromText(const std::string& text);
 ReviewState ReviewStateFromText(const std::string& text);
 
+/// A list in JSON for `json_each` of a query; nothing for none.
+std::optional<std::string> JsonOf(const std::vector<ReviewState>& states);
+
 // What a first look at a log found. Its job waits until there was one.
 inline const std::string kWaiting = "waiting";
 inline const std::string kClean = "clean";
@@ -64,6 +67,8 @@ struct MapReview {
       {};  ///< of the site: its odometry is taken instead of tracking again
   std::vector<std::string> rejected_loops = {};  ///< [DRIVE:]LOOP as report.json names them
   std::vector<std::string> forced_loops = {};    ///< [DRIVE:]LOOP as report.json names them
+  std::vector<std::string> rejected_links = {};  ///< DRIVE:KEYFRAME~DRIVE:KEYFRAME
+  std::vector<std::string> forced_links = {};    ///< the same
   std::optional<std::vector<std::string>> pins =
       {};  ///< `parkade map --pin`; nothing: as the version has them
 };
@@ -100,6 +105,7 @@ struct Job {
   std::optional<std::string> not_before;  ///< of a queued job that waits after a crash
   bool is_cancel_asked = false;           ///< of a running one, which is to end as cancelled
   std::optional<JobPlace> place;          ///< of the latest attempt, once an engine has it
+  std::optional<std::string> last_stage;  ///< of an attempt that ended without a map
   std::optional<std::int64_t> map_version;
   std::string created_at;
   std::optional<std::string> started_at, finished_at;
@@ -120,6 +126,13 @@ struct StoredRig {
   std::string created_at;
 };
 
+/// Something to be looked at before a version is decided on.
+struct ChecklistItem {
+  std::string id;    ///< plain name; what is ticked
+  std::string text;  ///< one line
+  bool operator==(const ChecklistItem&) const = default;
+};
+
 struct Site {
   std::int64_t sequence = 0;
   std::string name;
@@ -128,10 +141,13 @@ struct Site {
   std::vector<std::int64_t> versions;              ///< ascending
   std::optional<std::string> datum, bounds;        ///< JSON of the latest version
   std::optional<std::int64_t> approved_version;    ///< the newest one
+  std::optional<ReviewState> review_state;         ///< of the latest version
   std::string title;                               ///< one line; may be empty
   std::string note;                                ///< may be empty
   std::optional<std::int64_t> log_days, map_days;  ///< [days] that they are kept; nothing: for ever
   std::optional<std::string> default_rig;          ///< of uploads to the site that name none
+  std::optional<std::vector<ChecklistItem>>
+      review_checklist;  ///< its own; nothing: the usual one (UsualChecklist)
 };
 
 struct MapFile {

@@ -223,11 +223,24 @@ const std::vector<const char*> kVersion10 = {
 const std::vector<const char*> kVersion11 = {
     "ALTER TABLE jobs ADD COLUMN cancel_asked INTEGER NOT NULL DEFAULT 0"};
 
+// What reviewers look at: the site's own list (JSON; NULL: the usual one), what is ticked of it for
+// a version, and what was ticked when a version was decided on. The stage in which a job's
+// latest attempt ended without a map.
+const std::vector<const char*> kVersion12 = {"ALTER TABLE sites ADD COLUMN review_checklist TEXT",
+                                             R"(CREATE TABLE checklist_ticks (
+         map TEXT NOT NULL REFERENCES maps (id),
+         item TEXT NOT NULL,
+         author TEXT NOT NULL,
+         created_at TEXT NOT NULL,
+         PRIMARY KEY (map, item)) STRICT, WITHOUT ROWID)",
+                                             "ALTER TABLE reviews ADD COLUMN checklist TEXT",
+                                             "ALTER TABLE jobs ADD COLUMN last_stage TEXT"};
+
 // One entry per schema version, oldest first. A published entry never changes:
 // a change of the tables is a new entry.
 const std::vector<const std::vector<const char*>*> kMigrations = {
-    &kVersion1, &kVersion2,     &kVersion3, &kVersion4,  &kVersion5, &kVersion6,
-    &kVersion7, &kReviewSchema, &kVersion9, &kVersion10, &kVersion11};
+    &kVersion1, &kVersion2,     &kVersion3, &kVersion4,  &kVersion5,  &kVersion6,
+    &kVersion7, &kReviewSchema, &kVersion9, &kVersion10, &kVersion11, &kVersion12};
 
 size_t FoundVersion(Connection& connection) {
   Statement query = connection.Query("PRAGMA user_version");

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "server/store/tables/names.h"
+#include "server/store/tables/review_table.h"
 #include "server/store/tables/row.h"
 
 namespace parkade {
@@ -13,7 +14,9 @@ const std::string kSelect = R"(
          (SELECT datum FROM maps WHERE site = sites.name ORDER BY version DESC LIMIT 1),
          (SELECT bounds FROM maps WHERE site = sites.name ORDER BY version DESC LIMIT 1),
          (SELECT max(version) FROM maps WHERE site = sites.name AND review_state = 'approved'),
-         title, note, log_days, map_days, default_rig
+         title, note, log_days, map_days, default_rig, review_checklist,
+         (SELECT review_state FROM maps WHERE site = sites.name ORDER BY version DESC LIMIT 1)
+           AS latest_state
   FROM sites )";
 
 Site FromRow(Connection& connection, const Statement& row) {
@@ -30,6 +33,8 @@ Site FromRow(Connection& connection, const Statement& row) {
   site.log_days = OptionalInteger(row, 9);
   site.map_days = OptionalInteger(row, 10);
   site.default_rig = OptionalText(row, 11);
+  site.review_checklist = ChecklistFromText(OptionalText(row, 12));
+  if (const auto state = OptionalText(row, 13)) site.review_state = ReviewStateFromText(*state);
   Statement versions =
       connection.Query("SELECT version FROM maps WHERE site = ? ORDER BY version", site.name);
   while (versions.Step()) site.versions.push_back(versions.Integer(0));
@@ -50,10 +55,10 @@ bool HasSite(Connection& connection, const std::string& name) {
 
 void SetSiteSettings(Connection& connection, const Site& site) {
   connection.Execute(
-      "UPDATE sites SET title = ?, note = ?, log_days = ?, map_days = ?, default_rig = ? WHERE "
-      "name "
-      "= ?",
-      site.title, site.note, site.log_days, site.map_days, site.default_rig, site.name);
+      "UPDATE sites SET title = ?, note = ?, log_days = ?, map_days = ?, default_rig = ?, "
+      "review_checklist = ? WHERE name = ?",
+      site.title, site.note, site.log_days, site.map_days, site.default_rig,
+      ToText(site.review_checklist), site.name);
 }
 
 std::optional<std::string> DefaultRigOf(Connection& connection, const std::string& site) {
@@ -74,12 +79,14 @@ Site FindSite(Connection& connection, const std::string& name) {
   return FromRow(connection, query);
 }
 
-std::vector<Site> ListSites(Connection& connection, const Page& page, const SiteScope& scope) {
+std::vector<Site> ListSites(Connection& connection, const Page& page, const SiteScope& scope,
+                            const std::vector<ReviewState>& states) {
   Statement query = connection.Query(
       kSelect +
-          "WHERE sequence < ? AND (?2 IS NULL OR name IN (SELECT value FROM json_each(?2))) ORDER "
-          "BY sequence DESC LIMIT ?",
-      page.before, JsonOf(scope), page.limit);
+          "WHERE sequence < ?1 AND (?2 IS NULL OR name IN (SELECT value FROM json_each(?2))) AND "
+          "(?3 IS NULL OR latest_state IN (SELECT value FROM json_each(?3))) ORDER BY sequence "
+          "DESC LIMIT ?4",
+      page.before, JsonOf(scope), JsonOf(states), page.limit);
   std::vector<Site> sites;
   while (query.Step()) sites.push_back(FromRow(connection, query));
   return sites;

@@ -15,7 +15,7 @@ void EnsureSite(Connection& connection, const std::string& name);
 
 bool HasSite(Connection& connection, const std::string& name);
 
-/// Stores title, note, days and default rig.
+/// Stores title, note, days, default rig and checklist.
 void SetSiteSettings(Connection& connection, const Site& site);
 
 /// The rig of uploads to the site that name none; nothing where there is no site, either.
@@ -27,7 +27,9 @@ std::string FreeSiteName(Connection& connection, const std::string& wanted);
 /// Throws Error{kNotFound}.
 Site FindSite(Connection& connection, const std::string& name);
 
-/// Newest first, those in `scope`.
-std::vector<Site> ListSites(Connection& connection, const Page& page, const SiteScope& scope = {});
+/// Newest first, those in `scope`; only those whose latest version is in one of `states` where
+/// there are any.
+std::vector<Site> ListSites(Connection& connection, const Page& page, const SiteScope& scope = {},
+                            const std::vector<ReviewState>& states = {});
 
 }  // namespace parkade

@@ -59,6 +59,17 @@ TEST_F(LoopReview, BuildsAVersionFromAnotherWithoutTrackingAgain) {
   EXPECT_EQ(spec.forced_loops, std::vector<std::string>{"4-18"});
 }
 
+TEST_F(LoopReview, LinksReachTheWorkerAndAreKeptForARetry) {
+  const auto queued =
+      Build(R"({"from": 1, "reject_links": ["a:3~b:7"], "force_links": ["a:4~b:8", "a:5~b:9"]})");
+  ASSERT_EQ(queued->status, 202) << queued->body;
+  WaitForJob(Json::parse(queued->body).at("id"));
+
+  EXPECT_EQ(LastSpec().rejected_links, std::vector<std::string>{"a:3~b:7"});
+  EXPECT_EQ(LastSpec().forced_links, (std::vector<std::string>{"a:4~b:8", "a:5~b:9"}));
+  EXPECT_TRUE(LastSpec().rejected_loops.empty());
+}
+
 TEST_F(LoopReview, PinsReachTheWorkerToTheLastDigit) {
   const auto queued = Build(R"({"from": 1, "pins": [
       {"point": [-1.25, 2, 0.1], "latitude": 48.137154321, "longitude": -11.576124},
@@ -90,7 +101,9 @@ TEST_F(LoopReview, WithoutAVersionStartsAfresh) {
 TEST_F(LoopReview, ThatMakesNoSenseStartsNoJob) {
   const size_t before = NumAttempts();
   ExpectProblem(Build(R"({"reject_loops": ["3-17"]})"), 400, "invalid_input");  // of which version?
-  ExpectProblem(Build(R"({"from": "1"})"), 400, "invalid_input");               // not a number
+  ExpectProblem(Build(R"({"reject_links": ["a:1~b:1"]})"), 400, "invalid_input");
+  ExpectProblem(Build(R"({"from": 1, "force_links": ["-x"]})"), 400, "invalid_input");
+  ExpectProblem(Build(R"({"from": "1"})"), 400, "invalid_input");  // not a number
   ExpectProblem(Build(R"({"from": 1, "force_loops": "3-17"})"), 400,
                 "invalid_input");  // not a list
   ExpectProblem(Build(R"({"from": 1, "force_loops": ["--out"]})"), 400,

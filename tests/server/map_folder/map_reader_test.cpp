@@ -16,12 +16,13 @@ using nlohmann::json;
 
 class FinishedMapTest : public ::testing::Test {
  protected:
-  MapReader Open(const json& left_out) {
-    const json report = {
+  MapReader Open(const json& left_out, const json& join = nullptr) {
+    json report = {
         {"options", {{"odometry", {{"num_features", 300}}}}},
         {"drives", {{{"name", "kept"}, {"log", {{"sha256", "aa"}}}, {"streams", streams_}}}},
         {"left_out", left_out},
         {"datum", nullptr}};
+    if (!join.is_null()) report["join"] = join;
     WriteFileAtomically(root_.path() / "report.json", report.dump());
     return MapReader(root_.path());
   }
@@ -43,6 +44,15 @@ TEST_F(FinishedMapTest, OfADriveThatWasLeftOutItTellsHowItWasMade) {
   EXPECT_FALSE(map.MayBeOf("other", "aa"));
   EXPECT_EQ(map.OdometryFingerprint("other"), map.OdometryFingerprint("kept"));
   EXPECT_EQ(map.ReviewOf("other").rejected.size(), 1u);
+}
+
+TEST_F(FinishedMapTest, WhatWasDecidedAboutLinksStays) {
+  const json review = {{"rejected", {"kept:3~other:7"}}, {"forced", json::array()}};
+  EXPECT_EQ(Open(json::array(), {{"review", review}}).ReviewOfLinks().rejected,
+            std::vector<std::string>{"kept:3~other:7"});
+  EXPECT_TRUE(Open(json::array(), {{"pairs", json::array()}}).ReviewOfLinks().rejected.empty())
+      << "an older program knew of none";
+  EXPECT_TRUE(Open(json::array()).ReviewOfLinks().forced.empty()) << "a drive alone";
 }
 
 TEST_F(FinishedMapTest, OfOneThatCouldNotBeTrackedItTellsNothing) {

@@ -81,7 +81,8 @@ class PreviewMapTest : public testing::Test {
     });
     const ClosedDrive drive{"monday", kImuFromBody.Inverse(), &site.drives[0].odometry, &loops,
                             is_odometry_taken};
-    return EncodeJointPreview(root_.path(), logs, std::span(&drive, 1), LoopOptions{});
+    return EncodeJointPreview(root_.path(), logs, std::span(&drive, 1), LinkReview{},
+                              LoopOptions{});
   }
   TemporaryRoot root_;
 };

@@ -122,7 +122,7 @@ TEST_F(PublishedMap, KeepsItsDriveReadyWhileALaterJobWaitsAndRuns) {
 
 TEST_F(PublishedMap, IsWhereAReviewStarts) {
   PublishMap(store_, job_, SealMap(Stage()));
-  const MapReview review{1, {"17-140", "18-141"}, {"a:3-90"}};
+  const MapReview review{1, {"17-140", "18-141"}, {"a:3-90"}, {"a:3~b:7"}, {"a:4~b:8"}};
 
   QueueMap(store_, "lot", {}, false, review);
   const Job again = *ClaimJob(store_);
@@ -131,6 +131,8 @@ TEST_F(PublishedMap, IsWhereAReviewStarts) {
   EXPECT_EQ(again.review.from_version, 1);
   EXPECT_EQ(again.review.rejected_loops, review.rejected_loops);
   EXPECT_EQ(again.review.forced_loops, review.forced_loops);
+  EXPECT_EQ(again.review.rejected_links, review.rejected_links);
+  EXPECT_EQ(again.review.forced_links, review.forced_links);
   EXPECT_THROW(QueueMap(store_, "lot", {}, false, {.from_version = 7}), Error);
 }
 

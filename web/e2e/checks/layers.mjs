@@ -50,7 +50,39 @@ const countDraws = (page) =>
       });
   });
 
+/** The latest version of which gnss.json tells where fixes lie, with those of a drive. */
+async function fixesOf(world) {
+  for (const site of world.sites.filter(({ latest_version }) => latest_version)) {
+    const { files } = await world.json(`/api/v1/sites/${site.name}/maps/${site.latest_version}`);
+    const file = files.find(({ name }) => name.endsWith('/gnss.json'));
+    if (file) return { site, ...(await world.json(file.url)) };
+  }
+  return world.skip('no version says where its GNSS fixes lie');
+}
+
 export const checks = {
+  async 'GNSS fixes lie where they were measured, and say how far they are off'(page, world) {
+    const { site, fixes } = await fixesOf(world);
+    const fix = fixes.find(({ state }) => state === 'used') ?? fixes[0];
+    const [x, y, z] = fix.position;
+    const view = [x, y - 0.1, z + 14, x, y, z].map((value) => value.toFixed(3)).join(',');
+    await openMap(page, { ...world, site }, `?layers=gnss&view=${view}`);
+    await ready(page, 'gnss');
+    await legend(page).getByText('GNSS fixes').waitFor();
+    await legend(page).getByText(/^used, \d+$/).waitFor();
+    const { x: left, y: top, width, height } = await page.locator('#canvas').boundingBox();
+    await page.mouse.move(left + width / 2 - 60, top + height / 2 - 60);
+    await page.mouse.move(left + width / 2, top + height / 2);
+    const note = page.getByRole('status', { name: 'GNSS fix' });
+    await note.getByText(/^\d+\.\d\d m off the way/).waitFor();
+    await world.picture('gnss');
+    await page.mouse.move(left + 5, top + height - 5);
+    await note.waitFor({ state: 'detached' });
+    await box(page, 'gnss').uncheck();
+    await page.mouse.move(left + width / 2, top + height / 2);
+    assert.equal(await note.count(), 0, 'what is hidden says nothing');
+  },
+
   async 'what is shown is in the address and survives a reload'(page, world) {
     await openMap(page, world);
     await ready(page, 'free');

@@ -112,7 +112,7 @@ export const checks = {
     await build(page).click();
     const progress = page.getByRole('region', { name: 'The version that is being built' });
     await progress.getByText('It waits for its turn').waitFor();
-    assert.deepEqual(sent, { from: version, reject_loops: [id('2-8')], force_loops: [id('0-7')] });
+    assert.deepEqual(sent, { from: version, reject_loops: [id('2-8')], force_loops: [id('0-7')], reject_links: [], force_links: [] });
     job = queued(name, { state: 'done', progress: 1, map_version: version + 1 });
     const link = progress.getByRole('link', { name: 'What changed after' });
     await link.waitFor({ timeout: 15_000 });
@@ -120,6 +120,32 @@ export const checks = {
     await progress.getByRole('button', { name: 'Put away' }).click();
     await decisions.getByRole('button', { name: 'Clear all' }).click();
     assert.equal(await page.evaluate((key) => localStorage.getItem(key), `parkade.loops.${name}.${version}`), null);
+  },
+
+  async 'a link between drives is left out as a loop is'(page, world) {
+    const site = await reviewed(world);
+    const pair = (site?.report.join?.pairs ?? []).find(({ links }) => links.some(({ weight }) => weight > 0.5));
+    if (!pair) world.skip('no version with links between drives');
+    const link = pair.links.find(({ weight }) => weight > 0.5);
+    const id = `${pair.a}:${link.place_a}~${pair.b}:${link.place_b}`;
+    let sent = null;
+    await page.route(`**/api/v1/sites/${site.name}/maps`, async (route) => {
+      if (route.request().method() !== 'POST') return route.fallback();
+      sent = route.request().postDataJSON();
+      return route.fulfill({ status: 202, json: queued(site.name, {}) });
+    });
+    await page.route('**/api/v1/jobs/00000000deadbeef', (route) => route.fulfill({ json: queued(site.name, {}) }));
+    await page.goto(`${world.address}/sites/${site.name}/maps/${site.version}?tab=loops&loop=${encodeURIComponent(id)}`);
+    await mapShown(page, `${site.name}/${site.version}`);
+    await chosen(page).getByRole('heading', { name: `${pair.a} ${link.place_a} ↔ ${pair.b} ${link.place_b}` }).waitFor();
+    await chosen(page).getByRole('button', { name: /^Accept/ }).click(); // agrees with the mapper
+    assert.ok(await build(page).isDisabled());
+    await chosen(page).getByRole('button', { name: /^Reject/ }).click();
+    await chosen(page).getByText('In the next version this link is left out.').waitFor();
+    await build(page).click();
+    await page.getByRole('region', { name: 'The version that is being built' }).waitFor();
+    assert.deepEqual(sent, { from: site.version, reject_loops: [], force_loops: [], reject_links: [id], force_links: [] });
+    await page.evaluate((key) => localStorage.removeItem(key), `parkade.loops.${site.name}.${site.version}`);
   },
 
   async 'a refused build says why and keeps the decisions'(page, world) {

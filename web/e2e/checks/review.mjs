@@ -91,48 +91,66 @@ export const checks = {
     }
   },
 
-  async 'ticks are kept, and go into the reason of a decision'(page, world) {
-    const { site } = world;
+  async 'ticks are kept for all reviewers, and shown where somebody decides'(page, world) {
+    const { address, site } = world;
+    const route = `/api/v1${pathOf(site)}/checklist`;
+    const tick = (id, ticked) =>
+      fetch(`${address}${route}/${id}`, { method: 'PUT', headers: { 'content-type': 'application/json' }, body: JSON.stringify({ ticked }) });
+    const { items } = await world.json(route);
     const decided = [];
-    await page.route('**/review', (route) => {
-      if (route.request().method() !== 'POST') return route.continue();
-      decided.push(route.request().postDataJSON());
-      return route.fulfill({ json: {} });
+    await page.route('**/review', (asked) => {
+      if (asked.request().method() !== 'POST') return asked.continue();
+      decided.push(asked.request().postDataJSON());
+      return asked.fulfill({ json: {} });
     });
     // As it is while it is reviewed, whatever this service's version is.
-    await page.route('**/review?*', async (route) => {
-      const response = await route.fetch();
-      return route.fulfill({ response, json: { ...(await response.json()), state: 'in_review' } });
+    const before = { action: 'reject', from: 'in_review', to: 'rejected', comment: 'A gap', author: 'ann', created_at: '2026-01-01T00:00:00Z',
+      checklist: [{ id: 'ramp', text: 'Ramps driven', ticked_by: 'ann', ticked_at: '2026-01-01T00:00:00Z' }, { id: 'bay', text: 'Bays named', ticked_by: null, ticked_at: null }] };
+    await page.route('**/review?*', async (asked) => {
+      const response = await asked.fetch();
+      return asked.fulfill({ response, json: { ...(await response.json()), state: 'in_review', history: [before], next_cursor: null } });
     });
-    await openReview(page, world);
-    const items = page.getByRole('region', { name: 'Checklist' }).getByRole('checkbox');
-    const count = await items.count();
-    assert.ok(count >= 1);
-    for (let i = 0; i < count; ++i) await items.nth(i).setChecked(i === 0);
-    await page.getByText(`1 of ${count}`, { exact: true }).waitFor();
-    await page.reload();
-    await page.getByText(`1 of ${count}`, { exact: true }).waitFor();
+    try {
+      for (const { id } of items) await tick(id, false);
+      await openReview(page, world);
+      const list = page.getByRole('region', { name: 'Checklist' });
+      await list.getByRole('checkbox').first().check();
+      await list.getByText(`1 of ${items.length} ticked`).waitFor();
+      await list.locator('.by').waitFor(); // by whom
+      await page.reload();
+      await list.getByText(`1 of ${items.length} ticked`).waitFor();
+      await tick(items[0].id, false); // somebody else
+      await list.getByText(`0 of ${items.length} ticked`).waitFor();
+      assert.equal(await list.getByRole('checkbox').first().isChecked(), false);
+      await page.route(`**/checklist/${items[0].id}`, (asked) => asked.fulfill({ status: 503, contentType: 'application/problem+json', json: { title: 'Full', status: 503, detail: 'the disk is full' } }));
+      await list.getByRole('checkbox').first().click();
+      await page.getByRole('alert').getByText('The tick was not kept: the disk is full').waitFor();
+      assert.equal(await list.getByRole('checkbox').first().isChecked(), false, 'what was not kept is not shown');
+      page.faults = page.faults.filter((fault) => !fault.includes('503'));
 
-    await page.getByRole('button', { name: 'Reject' }).click();
-    const dialog = page.getByRole('dialog');
-    await dialog.getByRole('button', { name: 'Reject' }).click();
-    await dialog.getByRole('alert').getByText('Say why it is rejected').waitFor();
-    assert.equal(decided.length, 0);
-    await dialog.getByRole('textbox', { name: /^Reason/ }).fill('The ramp is missing');
-    await dialog.getByRole('button', { name: 'Reject' }).click();
-    await dialog.waitFor({ state: 'detached' });
-    assert.equal(decided[0].action, 'reject');
-    assert.equal(decided[0].from, 'in_review');
-    assert.match(decided[0].comment, /^The ramp is missing\n\n\[x\] .+/);
-    assert.equal(decided[0].comment.split('\n').filter((line) => line.startsWith('[ ] ')).length, count - 1);
+      await page.getByRole('button', { name: 'Reject' }).click();
+      const dialog = page.getByRole('dialog');
+      await dialog.getByRole('button', { name: 'Reject' }).click();
+      await dialog.getByRole('alert').getByText('Say why it is rejected').waitFor();
+      assert.equal(decided.length, 0);
+      await dialog.getByRole('textbox', { name: /^Reason/ }).fill('The ramp is missing');
+      await dialog.getByRole('button', { name: 'Reject' }).click();
+      await dialog.waitFor({ state: 'detached' });
+      assert.deepEqual(decided, [{ action: 'reject', from: 'in_review', comment: 'The ramp is missing' }]);
 
-    await page.keyboard.press('A');
-    await dialog.getByText('Approve this version?').waitFor();
-    if (count > 1) await dialog.getByText('Not ticked in the checklist:').waitFor();
-    await world.picture('approve');
-    await page.keyboard.press('Escape');
-    await dialog.waitFor({ state: 'detached' });
-    await page.evaluate(([name, version]) => localStorage.removeItem(`parkade.checklist.${name}/${version}`), [site.name, site.latest_version]);
+      await page.keyboard.press('A');
+      await dialog.getByText('Approve this version?').waitFor();
+      await dialog.getByText('Not ticked in the checklist:').waitFor();
+      assert.equal(await dialog.getByRole('note').getByRole('listitem').count(), items.length);
+      await world.picture('approve');
+      await page.keyboard.press('Escape');
+      await dialog.waitFor({ state: 'detached' });
+      await page.getByText('History').click();
+      await page.getByText('Checklist: 1 of 2 ticked; open:').waitFor();
+      await page.getByRole('listitem').filter({ hasText: /^Bays named$/ }).waitFor();
+    } finally {
+      for (const { id, ticked_by: by } of items) await tick(id, by !== null);
+    }
   },
 
   async 'a decision that comes too late is refused in words'(page, world) {
@@ -162,33 +180,36 @@ export const checks = {
     await page.getByText(text).waitFor();
   },
 
-  async 'a site has a checklist of its own in its note'(page, world) {
+  async 'a site has a checklist of its own'(page, world) {
     const { address, site } = world;
-    const note = 'Gate code 17.';
-    const setNote = (said) =>
-      fetch(`${address}/api/v1/sites/${site.name}`, { method: 'PUT', headers: { 'content-type': 'application/json' }, body: JSON.stringify({ note: said }) });
-    await setNote(note);
+    const setList = (items) =>
+      fetch(`${address}/api/v1/sites/${site.name}`, { method: 'PUT', headers: { 'content-type': 'application/json' }, body: JSON.stringify({ review_checklist: items }) });
+    const before = (await world.json(`/api/v1/sites/${site.name}`)).review_checklist;
+    await setList(null);
     try {
       await openReview(page, world);
       await page.getByRole('region', { name: 'Checklist' }).getByRole('button', { name: 'Edit' }).click();
       const dialog = page.getByRole('dialog');
-      await dialog.getByLabel('One item a line').fill('Ramps driven both ways\nCharging bays named');
+      await dialog.getByLabel('One item a line').fill('Ramps driven both ways\nCharging bays named\nLoops looked at');
       await dialog.getByRole('button', { name: 'Save' }).click();
       await dialog.waitFor({ state: 'detached' });
       await page.getByRole('checkbox', { name: 'Charging bays named' }).waitFor();
-      const kept = await world.json(`/api/v1/sites/${site.name}`);
-      assert.equal(kept.note, `${note}\n\nReview checklist:\n- Ramps driven both ways\n- Charging bays named`);
+      const kept = (await world.json(`/api/v1/sites/${site.name}`)).review_checklist;
+      assert.deepEqual(kept.map(({ text }) => text), ['Ramps driven both ways', 'Charging bays named', 'Loops looked at']);
+      assert.equal(kept[2].id, 'loops', 'an item that stays is the same one');
       await page.getByRole('region', { name: 'Checklist' }).getByRole('button', { name: 'Edit' }).click();
       await dialog.getByRole('button', { name: 'The usual list' }).click();
-      await page.getByRole('checkbox', { name: 'Loops looked at' }).waitFor();
-      assert.equal((await world.json(`/api/v1/sites/${site.name}`)).note, note);
+      await page.getByRole('checkbox', { name: 'Slots sampled' }).waitFor();
+      assert.equal((await world.json(`/api/v1/sites/${site.name}`)).review_checklist, null);
     } finally {
-      await setNote(site.note);
+      await setList(before);
     }
   },
 
   async 'what awaits is listed, and nothing says so'(page, world) {
     const { address, site } = world;
+    const asked = [];
+    page.on('request', (request) => asked.push(new URL(request.url()).pathname));
     await page.goto(`${address}/review`);
     const { items } = await world.json(`/api/v1/sites/${site.name}/maps`);
     const awaited = items.filter(({ review_state: state, version }) => state === 'in_review' || (state === 'draft' && version === site.latest_version)); // older drafts are folded away
@@ -196,7 +217,9 @@ export const checks = {
       await page.getByRole('link', { name: `${site.name} version ${awaited[0].version}`, exact: true }).waitFor();
       await world.picture('awaiting');
     }
-    await page.route('**/api/v1/sites?*', (route) => route.fulfill({ json: { items: [], next_cursor: null } }));
+    assert.deepEqual(asked.filter((path) => path.includes('/maps/')), [], 'no version is asked for by itself');
+    for (const list of ['sites', 'maps', 'comments'])
+      await page.route(`**/api/v1/${list}?*`, (route) => route.fulfill({ json: { items: [], next_cursor: null } }));
     await page.reload();
     await page.getByRole('heading', { name: 'Nothing awaits a review' }).waitFor();
   },

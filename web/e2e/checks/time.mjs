@@ -60,6 +60,7 @@ export const checks = {
   async 'a stretch of time is brushed out of the plots, and given back'(page, world) {
     const drive = await find(world);
     await open(page, world, drive);
+    await mapShown(page, drive.shown); // a page that is still busy loses a quick drag
     const whole = page.getByRole('button', { name: 'Whole drive' });
     assert.ok(await whole.isDisabled());
     const plot = page.locator('.plot .u-over').nth(1);
@@ -78,6 +79,39 @@ export const checks = {
     await page.getByRole('checkbox', { name: 'Speed' }).uncheck();
     await page.waitForFunction((expected) => document.querySelectorAll('.plot canvas').length === expected, count - 1);
     await page.getByRole('checkbox', { name: 'Speed' }).check();
+  },
+
+  async 'a brushed stretch is asked for by itself, and shown in full'(page, world) {
+    const drive = await find(world);
+    const asked = [];
+    await page.route('**/plots?*', async (route) => {
+      const query = new URL(route.request().url()).searchParams;
+      const response = await route.fetch();
+      const json = await response.json();
+      if (query.has('from')) {
+        asked.push(query);
+        for (const series of json.series) if (series.name === 'speed') series.values = series.values.map(() => 7.77);
+      } else for (const series of json.series) series.count = series.times.length + 1; // as if the service had left some out
+      return route.fulfill({ response, json });
+    });
+    await open(page, world, drive);
+    await mapShown(page, drive.shown);
+    const plot = page.locator('.plot .u-over').nth(1);
+    const box = await plot.boundingBox();
+    await page.mouse.move(box.x + 0.4 * box.width, box.y + 20);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 0.5 * box.width, box.y + 20, { steps: 4 });
+    const answered = page.waitForResponse((response) => new URL(response.url()).searchParams.has('from'));
+    await page.mouse.up();
+    await answered;
+    const shown = page.locator('.row-of').filter({ hasText: 'Speed' }).getByText('7.77');
+    for (let i = 0; i < 50 && !(await shown.isVisible()); ++i) {
+      await page.mouse.move(box.x + (0.5 + 0.002 * i) * box.width, box.y + 22); // its value is read where the pointer is
+      await page.waitForTimeout(100);
+    }
+    assert.ok(await shown.isVisible(), 'what was asked for is drawn');
+    const [from, to] = ['from', 'to'].map((name) => (Number(asked[0].get(name)) - Number(drive.plots.start)) / drive.plots.end);
+    assert.ok(Math.abs(from - 0.3) < 0.04 && Math.abs(to - 0.6) < 0.04, `${from} to ${to} of the drive`);
   },
 
   async 'it plays, and does not write the address with every frame'(page, world) {

@@ -40,6 +40,35 @@ async function slowDown(page, bytesPerSecond) {
   return () => setLine(true);
 }
 
+/** Drops files on the page, as a file manager does: the same bytes and times whenever it is called. */
+const drop = (page, names, bytes) =>
+  page.getByRole('group', { name: 'Drop drives here' }).evaluate(
+    (zone, { names, bytes }) => {
+      const dataTransfer = new DataTransfer();
+      for (const name of names) dataTransfer.items.add(new File([new Uint8Array(bytes).map((_, i) => (i * i) >> 5)], name, { lastModified: 1e12 }));
+      zone.dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true }));
+    },
+    { names, bytes },
+  );
+
+/** From now on the service gets nothing of what is sent, so that no drive comes of it and no job begins; the page is told that all arrived. */
+async function swallowRest(page) {
+  page.swallowed = 0;
+  await page.route('**/api/v1/uploads/*', (route) => {
+    if (route.request().method() !== 'PATCH') return route.continue();
+    page.swallowed += 1;
+    const offset = Number(route.request().headers()['upload-offset']) + (route.request().postDataBuffer()?.length ?? 0);
+    return route.fulfill({ status: 204, headers: { 'tus-resumable': '1.0.0', 'upload-offset': String(offset) } });
+  });
+}
+
+/** Answers for a set as if it had ended so. */
+async function endAs(route, end) {
+  if (route.request().method() !== 'GET') return route.continue();
+  const response = await route.fetch();
+  return route.fulfill({ response, json: { ...(await response.json()), error: null, ...end } });
+}
+
 export const checks = {
   async 'a file that is no log is left out before anything is sent'(page, { address, picture }) {
     await page.goto(`${address}/upload`);
@@ -120,5 +149,49 @@ export const checks = {
     await page.getByRole('button', { name: 'Cancel' }).click();
     assert.equal((await deleted).status(), 204);
     assert.equal((await page.request.get(`${address}/api/v1/upload-sets/${set.id}`)).status(), 404);
+  },
+
+  async 'a set that the service can make no log of is refused in its words'(page, { address }) {
+    await page.goto(`${address}/upload`);
+    const declared = page.waitForResponse((response) => response.url().endsWith('/upload-sets') && response.request().method() === 'POST');
+    await swallowRest(page);
+    await drop(page, ['e2e-torn_0.bag', 'e2e-torn_1.bag'], 50_000);
+    await page.getByText('2 files,').waitFor();
+    await page.route('**/api/v1/upload-sets/*', (route) => endAs(route, { state: 'refused', error: "'e2e-torn_1.bag' is no ROS bag" }));
+    await page.getByRole('button', { name: 'Upload this drive' }).click();
+    const { id } = await (await declared).json();
+    const card = page.locator('[data-upload^="e2e-torn"][data-state="failed"]');
+    await card.getByRole('alert').filter({ hasText: "'e2e-torn_1.bag' is no ROS bag" }).waitFor();
+    await card.getByRole('button', { name: 'Remove' }).click();
+    await page.waitForFunction(() => !document.querySelector('[data-upload]'));
+    await page.request.delete(`${address}/api/v1/upload-sets/${id}`);
+  },
+
+  async 'a set that a reload cut off goes on where it was, and ends as a drive'(page, { address, drives, skip, picture }) {
+    if (drives.length === 0) skip('no drive to end as');
+    const names = ['e2e-trip_0.bag', 'e2e-trip_1.bag'];
+    await page.goto(`${address}/upload`);
+    await slowDown(page, 300_000);
+    await drop(page, names, 1_000_000);
+    const declared = page.waitForResponse((response) => response.url().endsWith('/upload-sets') && response.request().method() === 'POST');
+    await page.getByRole('button', { name: 'Upload this drive' }).click();
+    const set = await (await declared).json();
+    while ((await page.locator('[data-upload] progress').evaluate((bar) => bar.value)) < 0.2) await page.waitForTimeout(50);
+    await page.reload();
+    await page.locator('[data-unfinished^="e2e-trip"]').waitFor({ timeout: 30_000 });
+    await picture('upload_unfinished_set');
+
+    await swallowRest(page);
+    await page.route(`**/api/v1/upload-sets/${set.id}`, (route) => (page.swallowed > 0 ? endAs(route, { state: 'done', drive: drives[0].id, job: 'a-job' }) : route.continue()));
+    await drop(page, names, 1_000_000);
+    const card = page.locator('[data-upload^="e2e-trip"]');
+    await card.locator('[data-went-on]').waitFor({ timeout: 30_000 });
+    const at = Number(await card.locator('[data-went-on]').getAttribute('data-went-on'));
+    assert.ok(at > 100_000 && at < 2_000_000, `it went on at ${at} of 2000000`);
+    await page.locator('[data-upload^="e2e-trip"][data-state="done"]').waitFor({ timeout: 60_000 });
+    assert.equal(await card.getByRole('link', { name: 'Follow the job' }).getAttribute('href'), '/jobs/a-job');
+    await card.getByRole('button', { name: 'Clear' }).click();
+    assert.equal(await page.evaluate(() => Object.keys(localStorage).filter((key) => /upload-set|^tus::/.test(key)).length), 0, 'nothing of it stays');
+    await page.request.delete(`${address}/api/v1/upload-sets/${set.id}`);
   },
 };

@@ -1,6 +1,7 @@
 // Requests as server/http/openapi.json describes them: an address, a parameter or a body that is not
 // in there does not compile. `npm run generate` makes schema.ts of it.
 
+import { takeEarly } from './early';
 import type { components, paths } from './schema';
 
 export type Schemas = components['schemas'];
@@ -71,7 +72,8 @@ export async function request<M extends Method, P extends Path<M>>(
 
 /** What an address answers; nothing where that is empty. */
 export async function fetchJson(address: string, init?: RequestInit): Promise<unknown> {
-  const response = await fetch(address, init).catch(() => {
+  const early = (init?.method ?? 'GET') === 'GET' ? takeEarly(address, init) : undefined;
+  const response = await (early ?? fetch(address, init)).catch(() => {
     throw new Error('the service does not answer');
   });
   const text = await response.text();

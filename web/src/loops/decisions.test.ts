@@ -4,7 +4,8 @@ import { changesIn, decide, effectOf, keepDraft, pairId, placesOf, readDraft, re
 import type { Evidence } from './evidence';
 
 const item = (id: string, isAccepted: boolean, kind: Evidence['kind'] = 'loop') => ({ id, kind, isAccepted }) as Evidence;
-const all = [item('a:1-9', true), item('a:2-8', false), item('a:1~b:1', true, 'link')];
+const all = [item('a:1-9', true), item('a:2-8', false), item('a:1~b:1', true, 'link'), item('a:2~b:2', false, 'link')];
+const nothing = { from: 4, reject_loops: [], force_loops: [], reject_links: [], force_links: [] };
 
 function storage(): Storage {
   const kept = new Map<string, string>();
@@ -26,18 +27,19 @@ test('the last decision about an item counts', () => {
   expect(undo(decisions, 'a:2-8')).toEqual([{ id: 'a:1-9', verdict: 'accept' }]);
 });
 
-test('only what differs from the version is sent, and nothing about links', () => {
+test('only what differs from the version is sent, loops and links apart', () => {
   const decided = (...verdicts: [string, Decision['verdict']][]) => requestFor(verdicts.map(([id, verdict]) => ({ id, verdict })), all, 4);
-  expect(decided(['a:1-9', 'accept'], ['a:2-8', 'reject'], ['a:1~b:1', 'reject'])).toEqual({ from: 4, reject_loops: [], force_loops: [] });
+  expect(decided(['a:1-9', 'accept'], ['a:2-8', 'reject'], ['a:1~b:1', 'accept'], ['a:2~b:2', 'reject'])).toEqual(nothing);
+  expect(decided(['a:1~b:1', 'reject'], ['a:2~b:2', 'accept'])).toEqual({ ...nothing, reject_links: ['a:1~b:1'], force_links: ['a:2~b:2'] });
   const wanted = decided(['a:1-9', 'reject'], ['a:2-8', 'accept'], ['a:3-7', 'force']);
-  expect(wanted).toEqual({ from: 4, reject_loops: ['a:1-9'], force_loops: ['a:2-8', 'a:3-7'] });
+  expect(wanted).toEqual({ ...nothing, reject_loops: ['a:1-9'], force_loops: ['a:2-8', 'a:3-7'] });
   expect(changesIn(wanted)).toBe(3);
 });
 
 test('words for what a decision does', () => {
   expect(effectOf({ id: 'a:1-9', verdict: 'reject' }, all[0])).toBe('is left out');
   expect(effectOf({ id: 'a:2-8', verdict: 'accept' }, all[1])).toBe('is forced');
-  expect(effectOf({ id: 'a:1~b:1', verdict: 'reject' }, all[2])).toBe('looks wrong');
+  expect(effectOf({ id: 'a:1~b:1', verdict: 'reject' }, all[2])).toBe('is left out');
   expect(effectOf({ id: 'a:5-6', verdict: 'force' }, undefined)).toBe('is forced');
 });
 

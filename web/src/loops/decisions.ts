@@ -1,4 +1,4 @@
-// What a reviewer has decided about loops of a version, before it is built with. It stays in the browser until then.
+// What a reviewer has decided about loops and links of a version, before it is built with. It stays in the browser until then.
 
 import type { Schemas } from '../api/client';
 import type { Evidence } from './evidence';
@@ -17,27 +17,26 @@ export function decide(decisions: readonly Decision[], id: string, verdict: Verd
 
 export const undo = (decisions: readonly Decision[], id: string): Decision[] => decisions.filter((decision) => decision.id !== id);
 
-type Wanted = { from: number; reject_loops: string[]; force_loops: string[] };
+type Wanted = { from: number } & Record<'reject_loops' | 'force_loops' | 'reject_links' | 'force_links', string[]>;
 
-/** As POST /sites/NAME/maps takes them. Whoever agrees with the mapper changes nothing; links take no decisions. */
+/** As POST /sites/NAME/maps takes them. Whoever agrees with the mapper changes nothing. */
 export function requestFor(decisions: readonly Decision[], all: readonly Evidence[], version: number): Wanted {
-  const wanted: Wanted = { from: version, reject_loops: [], force_loops: [] };
+  const wanted: Wanted = { from: version, reject_loops: [], force_loops: [], reject_links: [], force_links: [] };
   for (const { id, verdict } of decisions) {
     const item = all.find((one) => one.id === id);
-    if (item?.kind === 'link') continue;
+    const kind = item?.kind === 'link' ? 'links' : 'loops';
     const closes = item?.isAccepted ?? false;
-    if (verdict === 'reject' && closes) wanted.reject_loops.push(id);
-    if (verdict !== 'reject' && !closes) wanted.force_loops.push(id);
+    if (verdict === 'reject' && closes) wanted[`reject_${kind}`].push(id);
+    if (verdict !== 'reject' && !closes) wanted[`force_${kind}`].push(id);
   }
   return wanted;
 }
 
-export const changesIn = (wanted: Wanted): number => wanted.reject_loops.length + wanted.force_loops.length;
+export const changesIn = ({ from: _, ...lists }: Wanted): number => Object.values(lists).reduce((sum, { length }) => sum + length, 0);
 
 /** What a decision does to the next version, in words. */
 export function effectOf({ verdict }: Decision, item: Evidence | undefined): string {
   if (!item) return 'is forced';
-  if (item.kind === 'link') return verdict === 'reject' ? 'looks wrong' : 'looks right';
   if (verdict === 'reject') return item.isAccepted ? 'is left out' : 'stays out';
   return item.isAccepted ? 'stays' : 'is forced';
 }

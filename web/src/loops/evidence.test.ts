@@ -53,6 +53,13 @@ test('what a report holds, the accepted that are backed least first and the best
   expect(all.find(({ id }) => id === 'day1:1~day3:9')?.state).toBe('too few links agree');
 });
 
+test('what was decided about a link is said in its state', () => {
+  const decided = (state: string, weight: number) =>
+    evidenceOf({ ...report, drives: [], join: { pairs: [{ a: 'x', b: 'y', rejected: '', links: [{ ...measured, place_a: 1, place_b: 2, weight, state }] }] } } as unknown as Report)[0];
+  expect(decided('rejected by the reviewer', 0)).toMatchObject({ isAccepted: false, state: 'rejected by the reviewer' });
+  expect(decided('forced by the reviewer', 1)).toMatchObject({ isAccepted: true });
+});
+
 test('a contradiction counts as doubt, however many inliers there are', () => {
   const [clear, odd] = [evidenceOf(report)[1]!, { ...evidenceOf(report)[1]!, chiSquared: 30 }];
   expect(byDoubt([clear, odd])[0]).toBe(odd);

@@ -80,6 +80,7 @@ interface ReportLink extends Measured {
   place_b: number;
   time_a?: number; // [s] on the drive's clock; missing in maps of before
   time_b?: number;
+  state?: string; // missing in maps of before
 }
 
 interface ReportPair {
@@ -138,7 +139,8 @@ function loopsOf(report: Report): Evidence[] {
 function linksOf(report: Report): Evidence[] {
   return ((report.join?.pairs ?? []) as ReportPair[]).flatMap((pair) =>
     pair.links.map((link) => {
-      const isAccepted = link.weight > 0.5 && pair.rejected === '';
+      const isBelieved = link.weight > 0.5 && pair.rejected === '';
+      const state = link.state ?? (isBelieved ? 'accepted' : pair.rejected || 'rejected by the pose graph');
       return {
         ...measures(link),
         id: `${pair.a}:${link.place_a}~${pair.b}:${link.place_b}`,
@@ -147,8 +149,8 @@ function linksOf(report: Report): Evidence[] {
         b: { drive: pair.b, index: link.place_b },
         times: link.time_a !== undefined && link.time_b !== undefined ? { a: link.time_a, b: link.time_b } : null,
         cameras: [],
-        isAccepted,
-        state: isAccepted ? 'accepted' : pair.rejected || 'rejected by the pose graph',
+        isAccepted: kAccepted.includes(state),
+        state,
         thumbnails: { a: null, b: null },
       };
     }),

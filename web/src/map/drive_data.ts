@@ -1,7 +1,7 @@
 // What the layers show of drives: each file and each answer is asked for once.
 
-import { request } from '../api/client';
-import { fetchCollection, fileUrl, parseTum, type Collection } from '../api/map_files';
+import { fetchJson, request, type Schemas } from '../api/client';
+import { fetchCollection, fileUrl, hasFile, parseTum, type Collection } from '../api/map_files';
 import type { Keyframes, MapVersion, Plots } from '../api/types';
 import type { Track } from '../scene/layers/track';
 import type { MapDrive } from './workspace.svelte';
@@ -36,6 +36,12 @@ export class DriveData {
   keyframes({ id }: MapDrive): Promise<Keyframes> {
     const query = { points: kKeyframes, version: String(this.map.version) };
     return this.once(`keyframes of ${id}`, () => request('get', '/api/v1/drives/{drive}/keyframes', { path: { drive: id }, query }));
+  }
+
+  /** Where the drive's GNSS fixes lie; null where it has none, the site is not on Earth, or an older program made the map. */
+  fixes({ name }: MapDrive): Promise<Schemas['GnssFixes'] | null> {
+    const file = `${name}/gnss.json`;
+    return this.once(file, async () => (hasFile(this.map, file) ? ((await fetchJson(fileUrl(this.map, file))) as Schemas['GnssFixes']) : null));
   }
 
   /** What failed is asked for again next time. */

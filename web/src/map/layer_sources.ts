@@ -5,7 +5,7 @@ import type { Object3D } from 'three';
 import { fileUrl, hasFile } from '../api/map_files';
 import type { FreeSpaceProperties, MarkingProperties, SlotProperties, SurfaceProperties } from '../api/map_files';
 import { kRamp } from '../scene/ground_look';
-import { cssOf, kAccepted, kFreeSpace, kKerb, kMarking, kSlotColors, kSurfaceColors } from '../scene/layers/colors';
+import { cssOf, kAccepted, kFreeSpace, kKerb, kMarking, kRejected, kSlotColors, kSurfaceColors } from '../scene/layers/colors';
 import { kQuantities, type PathColor } from '../scene/layers/path_colors';
 import type { Track } from '../scene/layers/track';
 import type { MapScene } from '../scene/map_scene';
@@ -53,6 +53,19 @@ function noteOfEdges({ edges, count }: { edges: unknown[]; count: number }, what
   if (edges.length === count) return {};
   const of = edges.length === 0 ? 'None' : `Only ${edges.length}`;
   return { note: `${of} of ${count} ${what} can be drawn: this version's report does not say when they were seen. Map the site again to see them.` };
+}
+
+/** Maps of before say how far each fix is off, and not where it lies. */
+async function ringsOfFixes(context: LayerContext): Promise<LayerContent> {
+  const [{ makeFixRings, ringsOf }, rings] = await Promise.all([
+    import('../scene/layers/gnss'),
+    Promise.all(drivesOf(context).map(async (drive) => [await context.data.track(drive), await context.data.plots(drive)] as const)),
+  ]);
+  const all = rings.flatMap(([track, plots]) => ringsOf(track, plots));
+  const { objects, high } = makeFixRings(all);
+  const legend: Legend = { kind: 'ramp', title: 'GNSS error', about: 'of each fix off the way', colors: kRamp, ticks: ticksOf(0, high, 'm') };
+  const note = 'This version does not say where its fixes lie: a ring is as wide as each is off. Map the site again to see them.';
+  return { objects, count: all.length, ...(all.length > 0 ? { legend, note } : {}) };
 }
 
 export const kLayers: readonly LayerSource[] = [
@@ -197,17 +210,19 @@ export const kLayers: readonly LayerSource[] = [
     },
   },
   {
-    name: 'gnss', title: 'GNSS error', about: 'a ring as wide as each fix is off', swatches: kRamp.map(cssOf), isOfDrives: true,
+    name: 'gnss', title: 'GNSS fixes', about: 'where they lie; a disc: used, a cross: not', swatches: [kAccepted, kRejected].map(cssOf), isOfDrives: true,
     count: ({ report }) => report.drives.reduce((sum, { gnss }) => sum + (countOf((gnss as { num_fixes?: number } | null | undefined)?.num_fixes) ?? 0), 0),
     load: async (context) => {
-      const [{ makeFixRings, ringsOf }, rings] = await Promise.all([
-        import('../scene/layers/gnss'),
-        Promise.all(drivesOf(context).map(async (drive) => [await context.data.track(drive), await context.data.plots(drive)] as const)),
-      ]);
-      const all = rings.flatMap(([track, plots]) => ringsOf(track, plots));
-      const { objects, high } = makeFixRings(all);
-      const legend: Legend = { kind: 'ramp', title: 'GNSS error', about: 'of each fix off the way', colors: kRamp, ticks: ticksOf(0, high, 'm') };
-      return { objects, count: all.length, ...(all.length > 0 ? { legend } : {}) };
+      const files = await Promise.all(drivesOf(context).map(async (drive) => [drive.name, await context.data.fixes(drive)] as const));
+      if (files.every(([, file]) => file === null)) return ringsOfFixes(context);
+      const { fixesOf, kFixStates, makeFixes } = await import('../scene/layers/fixes');
+      const fixes = files.flatMap(([name, file]) => (file ? fixesOf(name, file) : []));
+      const entries = Object.entries(kFixStates)
+        .map(([state, { color, label }]) => ({ color, label, count: fixes.filter((fix) => fix.state === state).length }))
+        .filter(({ count }) => count > 0)
+        .map(({ color, label, count }) => ({ color, label: `${label}, ${count}` }));
+      const legend: Legend = { kind: 'list', title: 'GNSS fixes', about: 'discs placed their drive, crosses did not', entries };
+      return { objects: makeFixes(fixes), count: fixes.length, ...(entries.length > 0 ? { legend } : {}) };
     },
   },
 ];

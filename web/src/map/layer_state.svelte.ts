@@ -173,7 +173,7 @@ export class LayerState {
 }
 
 /** Names of these layers' groups: other parts have layers of their own. */
-const nameInScene = (name: LayerName) => `map:${name}`;
+export const nameInScene = (name: LayerName) => `map:${name}`;
 
 const known = new WeakMap<Workspace, LayerState>();
 

@@ -56,6 +56,7 @@ const kOfDrive: Record<string, string> = {
   'odometry.tum': 'poses before loops, GNSS and other drives: it drifts',
   'calibration.yaml': 'cameras and their mounting, as refined',
   'keyframes.json': 'times and poses of the pictures that were used',
+  'gnss.json': 'where GNSS fixes lie, which were used, and how far they are off',
   'diagnostics.json': 'what the plots show: inliers, residuals, sigmas over time',
 };
 

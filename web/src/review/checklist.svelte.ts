@@ -1,57 +1,50 @@
-// The checklist of a version: the site's items, or the usual ones, and what is ticked. The service has no place for
-// ticks before there is a decision: this browser keeps them.
+// The checklist of a version: the items of its site, and who ticked what. Ticks of others come by themselves.
 
-import { request } from '../api/client';
-import type { MapVersion, Site } from '../api/types';
+import { request, type Schemas } from '../api/client';
+import type { MapVersion } from '../api/types';
 import { Live } from '../ui/live.svelte';
-import { itemsIn, kUsual, noteWith, wordsOfTicks } from './checklist';
+import type { ChecklistEntry } from './checklist';
 
 export class ChecklistState {
-  readonly site: Live<Site>;
-  private ticked: ReadonlySet<string> = $state.raw(new Set());
-  private readonly key: string;
-
-  readonly own: string[] | null = $derived.by(() => itemsIn(this.site.value?.note ?? ''));
-  readonly items: readonly string[] = $derived(this.own ?? Object.values(kUsual));
-  readonly numTicked: number = $derived(this.items.filter((item) => this.ticked.has(item)).length);
+  readonly list: Live<Schemas['Checklist']>;
+  error = $state('');
+  /** What was clicked, until the service has said so. */
+  private asked: ReadonlyMap<string, boolean> = $state.raw(new Map());
 
   /** To be made while a component is. */
   constructor(private readonly map: MapVersion) {
-    this.site = new Live(() => request('get', '/api/v1/sites/{site}', { path: { site: map.site } }), ['review', 'map']);
-    this.key = `parkade.checklist.${map.site}/${map.version}`;
-    this.ticked = new Set(stored(this.key));
+    this.list = new Live(() => request('get', '/api/v1/sites/{site}/maps/{version}/checklist', { path: this.version }), ['review', 'map']);
   }
 
-  isTicked(item: string): boolean {
-    return this.ticked.has(item);
+  get entries(): readonly ChecklistEntry[] {
+    return this.list.value?.items ?? [];
   }
 
-  tick(item: string, isTicked: boolean): void {
-    const ticked = new Set(this.ticked);
-    if (isTicked) ticked.add(item);
-    else ticked.delete(item);
-    this.ticked = ticked;
-    localStorage.setItem(this.key, JSON.stringify([...ticked]));
+  isTicked({ id, ticked_by: by }: ChecklistEntry): boolean {
+    return this.asked.get(id) ?? by !== null;
   }
 
-  get words(): string {
-    return wordsOfTicks(this.items, (item) => this.ticked.has(item));
+  async tick(id: string, ticked: boolean): Promise<void> {
+    this.asked = new Map(this.asked).set(id, ticked);
+    this.error = '';
+    try {
+      await request('put', '/api/v1/sites/{site}/maps/{version}/checklist/{item}', { path: { ...this.version, item: id }, body: { ticked } });
+      await this.list.refresh();
+    } catch (reason) {
+      this.error = `The tick was not kept: ${reason instanceof Error ? reason.message : String(reason)}.`;
+    }
+    const rest = new Map(this.asked);
+    rest.delete(id);
+    this.asked = rest;
   }
 
-  /** Gives the site its own items; none: the usual ones again. */
-  async setItems(items: string[]): Promise<void> {
-    const path = { site: this.map.site };
-    const { note } = await request('get', '/api/v1/sites/{site}', { path }); // as it is by now
-    await request('put', '/api/v1/sites/{site}', { path, body: { note: noteWith(note, items) } });
-    await this.site.refresh();
+  /** Gives the site its own items; null: the usual ones again. */
+  async setItems(items: { id?: string; text: string }[] | null): Promise<void> {
+    await request('put', '/api/v1/sites/{site}', { path: { site: this.map.site }, body: { review_checklist: items } });
+    await this.list.refresh();
   }
-}
 
-function stored(key: string): string[] {
-  try {
-    const items: unknown = JSON.parse(localStorage.getItem(key) ?? '[]');
-    return Array.isArray(items) ? items.filter((item) => typeof item === 'string') : [];
-  } catch {
-    return []; // another page wrote it
+  private get version() {
+    return { site: this.map.site, version: String(this.map.version) };
   }
 }

@@ -1,27 +1,21 @@
 import { expect, test } from 'vitest';
 
-import { itemsIn, itemsOfText, noteWith, wordsOfTicks } from './checklist';
+import { itemsOfText, openOnes, wordsOfTicks, type ChecklistEntry } from './checklist';
 
-const kNote = 'Gate code 17.\n\nReview checklist:\n- Ramps driven both ways\n-  Charging bays named \n\nCall Ann first.';
+const entry = (id: string, by: string | null): ChecklistEntry => ({ id, text: id, ticked_by: by, ticked_at: by && '2026-01-01T00:00:00Z' });
 
-test('a note holds the list below its heading', () => {
-  expect(itemsIn(kNote)).toEqual(['Ramps driven both ways', 'Charging bays named']);
-  expect(itemsIn('- not a list of checks')).toBeNull();
-  expect(itemsIn('Review checklist:\n\n- too late')).toBeNull();
-  expect(itemsIn('')).toBeNull();
+test('typed lines are items, each once; what stays keeps its id', () => {
+  const before = [{ id: 'ramp', text: 'Ramps driven' }, { id: 'bay', text: 'Bays named' }];
+  expect(itemsOfText(' Bays named\n\n- Ramps driven both ways\nBays named ', before)).toEqual([
+    { id: 'bay', text: 'Bays named' },
+    { text: 'Ramps driven both ways' }, // another thing to look at: nobody has ticked it
+  ]);
+  expect(itemsOfText(' \n', before)).toEqual([]);
 });
 
-test('what else a note says stays', () => {
-  expect(noteWith(kNote, ['One'])).toBe('Gate code 17.\n\nCall Ann first.\n\nReview checklist:\n- One');
-  expect(noteWith(kNote, [])).toBe('Gate code 17.\n\nCall Ann first.');
-  expect(noteWith('', ['One', 'Two'])).toBe('Review checklist:\n- One\n- Two');
-  expect(itemsIn(noteWith(kNote, ['One', 'Two']))).toEqual(['One', 'Two']);
-});
-
-test('typed lines are items, each once', () => {
-  expect(itemsOfText(' One\n\n- Two\nOne ')).toEqual(['One', 'Two']);
-});
-
-test('ticks are said in the reason', () => {
-  expect(wordsOfTicks(['One', 'Two'], (item) => item === 'Two')).toBe('[ ] One\n[x] Two');
+test('what is open is told, and how much is done', () => {
+  const entries = [entry('a', 'ann'), entry('b', null), entry('c', 'bob')];
+  expect(openOnes(entries).map(({ id }) => id)).toEqual(['b']);
+  expect(wordsOfTicks(entries)).toBe('2 of 3 ticked');
+  expect(wordsOfTicks([])).toBe('no checklist');
 });

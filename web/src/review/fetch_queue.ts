@@ -1,32 +1,27 @@
 // What awaits a reviewer, asked from the service.
 
-import { request } from '../api/client';
-import { listMaps, listSites } from '../api/lists';
+import { request, type Schemas } from '../api/client';
+import { all, listSites } from '../api/lists';
 import type { Job } from '../api/types';
-import { inTurns, openThreads, queueOf, versionsTalkedAbout, type OpenThread, type Queue, type SiteVersions } from './awaiting';
-import { fetchComments } from './fetch_review';
-import { threadsOf } from './threads';
-
-const kAtOnce = 6; // as many as a browser sends to one server
-
-async function fetchSites(): Promise<SiteVersions[]> {
-  const sites = await listSites();
-  return inTurns(sites.filter(({ versions }) => versions.length > 0), kAtOnce, async (site) => ({ site, versions: await listMaps(site.name) }));
-}
+import { queueOf, type Queue } from './awaiting';
 
 export interface Awaiting {
   queue: Queue;
-  threads: OpenThread[];
+  /** Open threads on versions that are not rejected; those that something was said in last come first. */
+  threads: Schemas['CommentThread'][];
+  hasMoreThreads: boolean;
 }
 
-export async function fetchAwaiting(): Promise<Awaiting> {
-  const sites = await fetchSites();
-  const found = await inTurns(versionsTalkedAbout(sites), kAtOnce, async (map) => ({ map, threads: threadsOf(await fetchComments(map)) }));
-  return { queue: queueOf(sites), threads: openThreads(found) };
+export async function fetchAwaiting(mostThreads: number): Promise<Awaiting> {
+  const [sites, maps, threads] = await Promise.all([
+    listSites(),
+    all((query) => request('get', '/api/v1/maps', { query: { ...query, review_state: 'draft,in_review' } })),
+    request('get', '/api/v1/comments', { query: { limit: mostThreads, resolved: false, review_state: 'draft,in_review,approved' } }),
+  ]);
+  return { queue: queueOf(sites, maps), threads: threads.items, hasMoreThreads: threads.next_cursor !== null };
 }
 
-/** The latest that failed, of the last hundred jobs. */
+/** The latest that failed. */
 export async function fetchFailedJobs(most: number): Promise<Job[]> {
-  const { items } = await request('get', '/api/v1/jobs', { query: { limit: 100 } });
-  return items.filter(({ state }) => state === 'failed').slice(0, most);
+  return (await request('get', '/api/v1/jobs', { query: { limit: most, state: 'failed' } })).items;
 }

@@ -10,3 +10,11 @@ test('loops are found by drive and number', () => {
   expect(timeOfLoop(report, 'a:b:17-140')).toEqual({ drive: 'a:b', time: 200 });
   expect(timeOfLoop(report, 'day1:1-2')).toBeNull();
 });
+
+test('links between drives are found by both of their places, where the map says when those were', () => {
+  const links = [{ place_a: 1, place_b: 7, time_a: 10, time_b: 70 }, { place_a: 2, place_b: 8 }];
+  const report = { drives: [], join: { pairs: [{ a: 'day1', b: 'day2', links }] } };
+  expect(timeOfLoop(report, 'day1:1~day2:7')).toEqual({ drive: 'day2', time: 70 });
+  expect(timeOfLoop(report, 'day1:2~day2:8')).toBeNull();
+  expect(timeOfLoop(report, 'day1:7~day2:1')).toBeNull();
+});

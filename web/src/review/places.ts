@@ -7,8 +7,18 @@ import { centerOf } from '../scene/layers/slots';
 import { placeAt, type Track } from '../scene/layers/track';
 import type { CommentPin } from './threads';
 
-/** The drive and the time [s, the drive's clock] of a loop's later place; null where the report does not name it. */
-export function timeOfLoop(report: Pick<Report, 'drives'>, loop: string): { drive: string; time: number } | null {
+interface JoinedPair {
+  a: string; // drives
+  b: string;
+  links: { place_a: number; place_b: number; time_b?: number }[]; // maps of before have no times
+}
+
+/** The drive and the time [s, its clock] of a loop's later place, or of a link's place in the other drive; null where the report does not name it. */
+export function timeOfLoop(report: Pick<Report, 'drives' | 'join'>, loop: string): { drive: string; time: number } | null {
+  for (const { a, b, links } of (report.join?.pairs ?? []) as JoinedPair[]) {
+    const time = links.find(({ place_a, place_b }) => loop === `${a}:${place_a}~${b}:${place_b}`)?.time_b;
+    if (time !== undefined) return { drive: b, time };
+  }
   const colon = loop.lastIndexOf(':');
   const [name, id] = [colon < 0 ? null : loop.slice(0, colon), loop.slice(colon + 1)];
   for (const drive of report.drives) {

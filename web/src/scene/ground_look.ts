@@ -57,6 +57,22 @@ export class GroundLook {
     this.fillValues(mesh, siteFromMesh);
   }
 
+  /** A speck of ground, as tiles have it. */
+  makeSample(): THREE.Mesh {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(9), 3));
+    geometry.setAttribute('uv', new THREE.BufferAttribute(new Float32Array(6), 2));
+    const map = new THREE.DataTexture(new Uint8Array(4), 1, 1);
+    map.colorSpace = THREE.SRGBColorSpace;
+    map.generateMipmaps = true;
+    map.minFilter = THREE.LinearMipmapLinearFilter;
+    map.needsUpdate = true;
+    const sample = new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ map }));
+    sample.frustumCulled = false;
+    this.apply(sample, new THREE.Matrix4());
+    return sample;
+  }
+
   /** The number of each vertex, where the ground is colored by one. */
   fillValues(mesh: THREE.Mesh, siteFromMesh: THREE.Matrix4): void {
     const position = mesh.geometry.getAttribute('position');

@@ -7,11 +7,13 @@ import * as THREE from 'three';
 import type { DRACOLoader } from 'three/examples/jsm/loaders/DRACOLoader.js';
 import { acceleratedRaycast, MeshBVH } from 'three-mesh-bvh';
 
+import { takeEarly } from '../api/early';
 import type { GroundColors, GroundLook } from './ground_look';
 
 const kErrorTarget = 6; // [px] that a tile may be off before a finer one is asked for
 const kHurry = 16; // [ms] between two looks at what the first tile waits for
 const kDeferred = 3; // steps from the tileset to a request
+const kWholeOnly = 1e9; // [px] no tile but the first one is as wrong as that
 const kMaxBytes = 192 * 2 ** 20; // of tiles that are kept
 
 interface LoadedTile {
@@ -21,14 +23,11 @@ interface LoadedTile {
 
 export class GroundTiles {
   readonly group: THREE.Group;
-  /** Called when the first tile is in the scene. */
-  onFirst: (() => void) | null = null;
   onError: ((message: string) => void) | null = null;
-  /** Whether it is known which tiles there are, or that there are none to be had. */
-  isKnown = false;
+  /** Whether there is a tile to draw, or known that none is to be had where the camera looks. */
+  isThere = false;
   private readonly tiles: TilesRenderer;
   private timer = 0;
-  private isShown = false; // anything, ever
   private readonly loaded = new Map<THREE.Object3D, LoadedTile>();
 
   constructor(
@@ -40,15 +39,15 @@ export class GroundTiles {
     requestFrame: () => void,
   ) {
     this.tiles = new TilesRenderer(url);
+    this.tiles.registerPlugin({ fetchData: takeEarly });
     this.tiles.registerPlugin(new GLTFExtensionsPlugin({ dracoLoader: draco, autoDispose: false }));
-    this.tiles.errorTarget = kErrorTarget;
+    this.tiles.errorTarget = kWholeOnly;
     this.tiles.lruCache.maxBytesSize = kMaxBytes;
     this.tiles.lruCache.minBytesSize = 0.75 * kMaxBytes;
     this.tiles.setCamera(camera);
     this.tiles.setResolutionFromRenderer(camera, renderer);
     this.group = this.tiles.group;
     this.tiles.addEventListener('load-root-tileset', () => {
-      this.isKnown = true;
       // The root lies on the ellipsoid where the map is georeferenced; the scene is the site.
       const transform = (this.tiles.rootTileset as { root?: { transform?: number[] } } | null)?.root?.transform;
       if (transform) this.group.matrix.fromArray(transform).invert().decompose(this.group.position, this.group.quaternion, this.group.scale);
@@ -60,15 +59,11 @@ export class GroundTiles {
       requestFrame();
     });
     this.tiles.addEventListener('tile-visibility-change', ({ visible }) => {
-      if (!visible) return;
-      this.isShown = true;
-      this.onFirst?.();
-      this.onFirst = null;
+      if (visible) this.isThere = true;
     });
     this.tiles.addEventListener('dispose-model', ({ scene }) => this.loaded.delete(scene));
     this.tiles.addEventListener('load-error', ({ error }) => {
-      this.isKnown = true;
-      clearTimeout(this.timer);
+      this.isThere = true;
       this.onError?.(error.message);
       requestFrame();
     });
@@ -77,9 +72,9 @@ export class GroundTiles {
     this.timer = window.setTimeout(() => this.hurry(renderer));
   }
 
-  /** Asks for the first tile without waiting for frames, which take a second each where no graphics card is. */
+  /** Asks for the first tile without waiting for frames, which take long where no graphics card is. */
   private hurry(renderer: THREE.WebGLRenderer): void {
-    if (this.isShown) return;
+    if (this.isThere) return;
     this.camera.updateMatrixWorld();
     this.update(renderer);
     this.timer = window.setTimeout(() => this.hurry(renderer), kHurry);
@@ -89,8 +84,14 @@ export class GroundTiles {
   update(renderer: THREE.WebGLRenderer): void {
     this.tiles.setResolutionFromRenderer(this.camera, renderer);
     this.tiles.update();
-    // What it defers to the next frame is done now: drawing this one may take a second.
-    for (let i = 0; i < kDeferred && !this.isShown; ++i) Scheduler.flushPending();
+    if (this.tiles.root?.traversal.inFrustum === false) this.isThere = true;
+    // What it defers to the next frame is done now.
+    for (let i = 0; i < kDeferred && !this.isThere; ++i) Scheduler.flushPending();
+  }
+
+  /** Asks for what is finer than the tile of the whole, once that is drawn: it would have had to wait for all of them. */
+  refine(): void {
+    this.tiles.errorTarget = kErrorTarget;
   }
 
   recolor(colors: GroundColors): void {

@@ -2,9 +2,9 @@
 
 import * as THREE from 'three';
 import { MapControls } from 'three/examples/jsm/controls/MapControls.js';
-import { DRACO_GLTF_CONFIG, DRACOLoader } from 'three/examples/jsm/loaders/DRACOLoader.js';
 
 import type { Vector } from '../api/types';
+import { dracoDecoder } from './draco';
 import { GroundLook, type GroundColors } from './ground_look';
 import { GroundTiles } from './ground_tiles';
 
@@ -37,6 +37,8 @@ const kSteady = 4; // [px] by which a pointer may move in a click
 const kKeyStep = 40; // [px] by which an arrow key moves the map
 const kHighest = 1e9; // [m]
 
+dracoDecoder(); // it is ready when the scene is
+
 export class MapScene {
   readonly world = new THREE.Scene();
   readonly camera = new THREE.PerspectiveCamera(45, 1, 0.2, 8000);
@@ -44,7 +46,6 @@ export class MapScene {
   readonly renderer: THREE.WebGLRenderer;
   readonly look = new GroundLook();
   ground: GroundTiles | null = null;
-  private readonly draco = new DRACOLoader();
   private readonly layers = new Map<string, THREE.Group>();
   private readonly listeners: { [Name in keyof Events]: Set<Events[Name]> } = {
     click: new Set(),
@@ -56,13 +57,12 @@ export class MapScene {
   private readonly observer: ResizeObserver;
   private bounds: Bounds = { min: [-10, -10, 0], max: [10, 10, 1] };
   private frame = 0;
+  private sample: THREE.Mesh | null = null; // holds what was compiled for it
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.camera.up.set(0, 0, 1);
-    this.draco.setDecoderPath(DRACO_GLTF_CONFIG); // bundled with the page: no CDN
-    this.draco.preload(); // while the tileset comes
     this.world.add(new THREE.HemisphereLight(0xffffff, 0x8d99a8, 3));
     this.controls = new MapControls(this.camera, canvas);
     this.controls.maxPolarAngle = Math.PI * 0.495; // never below the ground
@@ -79,18 +79,27 @@ export class MapScene {
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(canvas.parentElement ?? canvas);
     this.resize();
+    this.warmUp();
   }
 
-  /** Shows the ground of a tileset. Resolves when the first of it is there. */
+  /** Shows the ground of a tileset. Resolves when the first of it is in the picture. */
   open(tilesetUrl: string, bounds: Bounds | null): Promise<void> {
     this.closeGround();
     if (bounds) this.bounds = bounds;
-    const ground = new GroundTiles(tilesetUrl, this.draco, this.look, this.camera, this.renderer, () => this.requestFrame());
+    const ground = new GroundTiles(tilesetUrl, dracoDecoder(), this.look, this.camera, this.renderer, () => this.requestFrame());
     this.ground = ground;
     this.world.add(ground.group);
     this.requestFrame();
     return new Promise((resolve, reject) => {
-      ground.onFirst = resolve;
+      const stop = this.on('frame', () => {
+        stop();
+        // Another frame begins when this one is on the screen.
+        requestAnimationFrame(() => {
+          ground.refine();
+          this.requestFrame();
+          resolve();
+        });
+      });
       ground.onError = (message) => reject(new Error(message));
     });
   }
@@ -241,8 +250,7 @@ export class MapScene {
       this.frame = 0;
       this.camera.updateMatrixWorld();
       this.ground?.update(this.renderer);
-      // The first picture takes a second where no graphics card is: tiles are asked for before, and come meanwhile.
-      if (this.ground && !this.ground.isKnown) return;
+      if (this.ground && !this.ground.isThere) return; // nothing to see takes as long to draw as something
       this.renderer.render(this.world, this.camera);
       this.emit('frame');
     });
@@ -255,8 +263,13 @@ export class MapScene {
     this.controls.dispose();
     this.closeGround();
     for (const layer of this.layers.values()) disposeOf(layer);
-    this.draco.dispose();
     this.renderer.dispose();
+  }
+
+  /** One triangle of ground, drawn now, lets the graphics driver compile while the first tile comes what that will need. */
+  private warmUp(): void {
+    this.sample = this.look.makeSample();
+    this.renderer.render(this.sample, this.camera);
   }
 
   private closeGround(): void {

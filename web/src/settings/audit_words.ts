@@ -19,6 +19,8 @@ const kDeeds: Record<string, string> = {
   'map.review': 'judged a map',
   'map.expire': 'deleted the files of a map that the site keeps no longer',
   'site.change': 'changed a site',
+  'checklist.tick': 'ticked an item of a checklist',
+  'checklist.untick': 'took a tick of a checklist away',
   'comment.create': 'wrote a comment',
   'comment.change': 'changed a comment',
   'comment.delete': 'deleted a comment',
@@ -58,7 +60,7 @@ export function placeOf({ action, subject }: Pick<AuditEntry, 'action' | 'subjec
   if (kind === 'rig') return pathOf({ name: 'rig', rig: subject });
   if (kind === 'site') return pathOf({ name: 'site', site: subject });
   const [site, version] = subject.split('/');
-  return kind === 'map' && site && version ? pathOf({ name: 'map', site, version }) : null;
+  return (kind === 'map' || kind === 'checklist') && site && version ? pathOf({ name: 'map', site, version }) : null;
 }
 
 /** Whether an entry has all of these words, anywhere. */

@@ -6,10 +6,9 @@ import { isWanted, rowsOf } from './site_rows';
 const site = (name: string, more: Partial<Site> = {}) =>
   ({ name, title: '', note: '', latest_version: 1, created_at: '2026-01-01', ...more }) as Site;
 const rows = rowsOf(
-  [site('lot', { title: 'The big one' }), site('garage'), site('new', { latest_version: null, created_at: '2026-02-15' })],
+  [site('lot', { title: 'The big one', review_state: 'approved' }), site('garage', { review_state: 'in_review' }), site('new', { latest_version: null, created_at: '2026-02-15' })],
   [{ site: 'garage', created_at: '2026-03-01' }, { site: 'lot', created_at: '2026-02-01' }, { site: 'garage', created_at: '2026-01-05' }] as Drive[],
   [{ id: 'b', site: 'lot', state: 'queued' }, { id: 'a', site: 'lot', state: 'running' }, { id: 'c', site: 'garage', state: 'done' }] as Job[],
-  new Map([['lot', 'approved'], ['garage', 'in_review']]),
 );
 const wanted = (text: string, filter: string) => rows.filter((row) => isWanted(row, text, filter)).map((row) => row.site.name);
 

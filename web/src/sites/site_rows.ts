@@ -1,11 +1,9 @@
 // What the list of sites shows of each, and which of them are wanted.
 
-import type { Drive, Job, ReviewState, Site } from '../api/types';
+import type { Drive, Job, Site } from '../api/types';
 
 export interface SiteRow {
   site: Site;
-  /** Of its latest version; null where it has none, or that is not known yet. */
-  state: ReviewState | null;
   lastDrive: string | null; // when the newest one was uploaded
   job: Job | null; // that runs, or waits
 }
@@ -18,7 +16,6 @@ export function rowsOf(
   sites: readonly Site[],
   drives: readonly Drive[],
   jobs: readonly Job[],
-  states: ReadonlyMap<string, ReviewState>,
 ): SiteRow[] {
   const lastDrives = new Map<string, string>();
   for (const { site, created_at } of drives)
@@ -31,14 +28,13 @@ export function rowsOf(
   return sites
     .map((site) => ({
       site,
-      state: states.get(site.name) ?? null,
       lastDrive: lastDrives.get(site.name) ?? null,
       job: busy.get(site.name) ?? null,
     }))
     .sort((a, b) => (b.lastDrive ?? b.site.created_at).localeCompare(a.lastDrive ?? a.site.created_at));
 }
 
-export function isWanted({ site, state, job }: SiteRow, text: string, filter: string): boolean {
+export function isWanted({ site, job }: SiteRow, text: string, filter: string): boolean {
   const words = text.toLowerCase().split(/\s+/).filter((word) => word !== '');
   const about = `${site.name} ${site.title} ${site.note}`.toLowerCase();
   if (!words.every((word) => about.includes(word))) return false;
@@ -46,6 +42,6 @@ export function isWanted({ site, state, job }: SiteRow, text: string, filter: st
     case '': return true;
     case 'no_map': return site.latest_version === null;
     case 'busy': return job !== null;
-    default: return state === filter;
+    default: return site.review_state === filter;
   }
 }

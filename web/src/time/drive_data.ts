@@ -23,11 +23,16 @@ export interface DriveData {
   complaints: string[];
 }
 
-const kPlotPoints = 2000;
+const kPlotPoints = 2000; // of a series, for the whole drive
+const kRangePoints = 3 * kPlotPoints; // of a stretch that is three times as long as what is shown of it
 const kKeyframePoints = 10_000;
 
-export const fetchPlots = (map: MapVersion, drive: string, points = kPlotPoints) =>
-  request('get', '/api/v1/drives/{drive}/plots', { path: { drive }, query: { version: String(map.version), points } });
+const fetchPlots = (map: MapVersion, drive: string) =>
+  request('get', '/api/v1/drives/{drive}/plots', { path: { drive }, query: { version: String(map.version), points: kPlotPoints } });
+
+/** The plots between two stamps, as fine as they were measured where that is not too much. */
+export const fetchPlotRange = (map: MapVersion, drive: string, from: string, to: string) =>
+  request('get', '/api/v1/drives/{drive}/plots', { path: { drive }, query: { version: String(map.version), points: kRangePoints, from, to } });
 
 const fetchKeyframes = (map: MapVersion, drive: string) =>
   request('get', '/api/v1/drives/{drive}/keyframes', {

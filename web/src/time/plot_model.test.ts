@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
 
 import type { Plots } from '../api/types';
-import { degradedAt, isThinned, plotsOf, pointsFor, rangeOf, valueNear, windowWithin } from './plot_model';
+import { degradedAt, isThinned, plotsOf, rangeOf, shows, valueNear, widened, windowWithin, withStretch } from './plot_model';
 
 function series(name: Plots['series'][number]['name'], values: number[], camera?: string): Plots['series'][number] {
   return { name, unit: '', about: name, count: values.length, times: values.map((_, i) => i), values, ...(camera ? { camera } : {}) };
@@ -59,10 +59,25 @@ describe('windowWithin', () => {
   });
 });
 
-test('a narrower window asks for more points, up to what the service gives', () => {
-  expect(pointsFor([0, 100], 100)).toBe(2000);
-  expect(pointsFor([0, 50], 100)).toBe(6000);
-  expect(pointsFor([0, 1], 100)).toBe(20_000);
+test('a stretch is asked for that a window can be moved in', () => {
+  expect(widened([40, 50], 100)).toEqual([30, 60]);
+  expect(widened([5, 15], 20)).toEqual([0, 20]);
+});
+
+test('a stretch shows what it has, and a thinned one no small part of it', () => {
+  expect(shows([0, 100], true, [40, 70])).toBe(false); // others lie between what was kept
+  expect(shows([30, 60], true, [40, 50])).toBe(true);
+  expect(shows([30, 60], true, [45, 48])).toBe(false);
+  expect(shows([30, 60], false, [45, 48])).toBe(true);
+  expect(shows([30, 60], false, [55, 65])).toBe(false);
+});
+
+test('a stretch in full takes the place of what was thinned there', () => {
+  const at = (times: number[], camera?: string) => ({ ...series('speed', times.map((time) => 10 * time), camera), times });
+  const [speed, other] = withStretch([at([0, 4, 8, 12]), at([0, 9], 'cam0')], [at([4, 5, 6, 7, 8]), at([], 'cam0')]);
+  expect(speed!.times).toEqual([0, 4, 5, 6, 7, 8, 12]);
+  expect(speed!.values).toEqual([0, 40, 50, 60, 70, 80, 120]);
+  expect(other!.times).toEqual([0, 9]);
 });
 
 test('isThinned', () => {

@@ -99,14 +99,33 @@ export function windowWithin([from, to]: Window, end: number, shortest = 0.2): W
   return [begin, begin + length];
 }
 
-const kUsualPoints = 2000, kMostPoints = 20_000; // of a series, for the whole drive
-
-/** How many points of the whole drive to ask for so that a window of it is as fine as the whole is usually. */
-export function pointsFor([from, to]: Window, end: number): number {
-  const share = end > 0 ? Math.max(1e-6, (to - from) / end) : 1;
-  const wanted = Math.ceil(kUsualPoints / share);
-  return [kUsualPoints, 3 * kUsualPoints, kMostPoints].find((points) => points >= wanted) ?? kMostPoints;
+/** The stretch to ask for where a window is to be seen in full: it may be moved by its own length either way. */
+export function widened([from, to]: Window, end: number): Window {
+  const length = to - from;
+  return [Math.max(0, from - length), Math.min(end, to + length)];
 }
+
+const kNarrower = 3; // times, from which on a window of a thinned stretch is asked for by itself
+
+/** Whether a stretch of plots shows a window as finely as can be. */
+export function shows(stretch: Window, isThin: boolean, [from, to]: Window): boolean {
+  const isWithin = stretch[0] <= from && to <= stretch[1];
+  return isWithin && (!isThin || stretch[1] - stretch[0] <= kNarrower * (to - from) * (1 + 1e-9));
+}
+
+/** The series of a whole drive with a stretch of them in full. */
+export function withStretch(whole: readonly Series[], stretch: readonly Series[]): Series[] {
+  return whole.map((series) => {
+    const full = stretch.find(({ name, camera }) => name === series.name && camera === series.camera);
+    const [first, last] = [full?.times[0], full?.times.at(-1)];
+    if (!full || first === undefined || last === undefined) return series;
+    const before = countUntil(series.times, first - kTick);
+    const after = countUntil(series.times, last);
+    const joined = (all: readonly number[], fine: readonly number[]) => [...all.slice(0, before), ...fine, ...all.slice(after)];
+    return { ...series, times: joined(series.times, full.times), values: joined(series.values, full.values) };
+  });
+}
+const kTick = 5e-5; // [s] half of the steps that the service rounds times to
 
 /** Whether the service left out values, so that asking for more brings more. */
 export const isThinned = (plots: Pick<Plots, 'series'>) => plots.series.some(({ count, times }) => count > times.length);

@@ -1,12 +1,14 @@
 // What the panel shows: a drive, the stretch of it that the plots show, and the time under the cursor.
 
+import type { Plots } from '../api/types';
 import type { Workspace } from '../map/workspace.svelte';
 import { Clock } from './clock.svelte';
-import { fetchDriveData, fetchPlots, type DriveData } from './drive_data';
-import { isThinned, plotsOf, pointsFor, windowWithin, type Window } from './plot_model';
+import { fetchDriveData, fetchPlotRange, type DriveData } from './drive_data';
+import { stampAfter } from './drive_time';
+import { isThinned, plotsOf, shows, widened, windowWithin, withStretch, type Window } from './plot_model';
 import { nextMoment } from './poses';
 
-const kFinerAfter = 300; // [ms] that a window stays before finer plots are asked for
+const kFinerAfter = 200; // [ms] that a window stays before finer plots are asked for
 
 export class TimeState {
   readonly clock: Clock;
@@ -16,7 +18,8 @@ export class TimeState {
   /** [s] under the pointer. */
   hovered: number | null = $state(null);
   private zoom: Window | null = $state.raw(null);
-  private askedPoints = 0;
+  /** A stretch of the drive in full. */
+  private stretch: { drive: string; window: Window; plots: Plots } | null = $state.raw(null);
   private readonly asked = new Map<string, Promise<DriveData>>();
 
   /** To be made while a component is: it ends with that. */
@@ -41,7 +44,11 @@ export class TimeState {
     return this.zoom !== null;
   }
 
-  readonly plots = $derived(this.data?.plots ? plotsOf(this.data.plots) : []);
+  readonly plots = $derived.by(() => {
+    const { data, stretch } = this;
+    const whole = data?.plots?.series ?? [];
+    return plotsOf({ series: stretch?.drive === data?.id && stretch ? withStretch(whole, stretch.plots.series) : whole });
+  });
   readonly degraded = $derived(this.data?.plots?.degraded ?? []);
   readonly cameras = $derived((this.data?.cameras ?? []).map(({ name }) => name));
 
@@ -106,7 +113,6 @@ export class TimeState {
       const data = await this.dataOf(drive);
       if (this.clock.drive !== drive) return; // another one was chosen meanwhile
       this.clock.end = data.end;
-      this.askedPoints = 0;
       this.data = data;
       if (this.clock.seconds < 0 || this.clock.seconds > data.end) this.clock.seek(this.clock.seconds); // an address can say anything
     } catch (error) {
@@ -114,17 +120,17 @@ export class TimeState {
     }
   }
 
-  /** The service thins the whole drive: a narrow window needs more of it. */
+  /** The service thins what it answers: of a narrow window it is asked by itself. */
   private refine(): (() => void) | undefined {
-    const { zoom, data } = this;
-    if (!zoom || !data?.plots || !isThinned(data.plots)) return;
-    const points = pointsFor(zoom, data.end);
-    if (points <= this.askedPoints) return;
+    const { zoom, data, stretch } = this;
+    if (!zoom || !data?.plots || data.start === null) return;
+    if (shows([0, data.end], isThinned(data.plots), zoom)) return;
+    if (stretch?.drive === data.id && shows(stretch.window, isThinned(stretch.plots), zoom)) return;
+    const [window, start] = [widened(zoom, data.end), data.start];
     const timer = setTimeout(() => {
-      this.askedPoints = points;
-      fetchPlots(this.workspace.map, data.id, points)
+      fetchPlotRange(this.workspace.map, data.id, stampAfter(start, window[0]), stampAfter(start, window[1]))
         .then((plots) => {
-          if (this.data?.id === data.id) this.data = { ...data, plots };
+          if (this.zoom === zoom && this.data === data) this.stretch = { drive: data.id, window, plots };
         })
         .catch(() => undefined); // the coarser ones stay
     }, kFinerAfter);

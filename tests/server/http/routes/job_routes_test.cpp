@@ -104,6 +104,11 @@ TEST_F(Jobs, KeepTheirLogs) {
   ExpectProblem(client().Get("/api/v1/jobs/" + id + "/log?attempt=../1"), 404, "not_found");
 }
 
+TEST_F(Jobs, ThatFailSayInWhichStage) {
+  EXPECT_EQ(WaitForJob(Start("bad-input")).at("stage"), "track");
+  EXPECT_TRUE(WaitForJob(Start("ok")).at("stage").is_null()) << "it has done all of them";
+}
+
 TEST_F(Jobs, AreCancelledAndTriedAgain) {
   const std::string id = Start("hang");
   WaitForJob(id, "running");
@@ -112,6 +117,7 @@ TEST_F(Jobs, AreCancelledAndTriedAgain) {
 
   EXPECT_EQ(Post("/api/v1/jobs/" + id + "/cancel")->status, 202);
   EXPECT_EQ(WaitForJob(id).at("state"), "cancelled");
+  EXPECT_EQ(Get("/api/v1/jobs/" + id).at("stage"), "track") << "where it ended";
   EXPECT_EQ(Get("/api/v1/drives/" + drive_).at("state"), "received");
   ExpectProblem(Post("/api/v1/jobs/" + id + "/cancel"), 409, "conflict");
 

@@ -29,6 +29,22 @@ TEST_F(Plots, AreThinnedToTheirExtremes) {
   EXPECT_EQ(series.at("count"), 4);
 }
 
+TEST_F(Plots, ARangeIsThinnedByItselfAndRunsToItsEdges) {
+  const std::string drive = MappedDrive();
+  const auto series_of = [&](const std::string& range) {
+    return Get(drive + "/plots" + range).at("series").at(0);
+  };
+  const Json cut = series_of("?from=10.5&to=12.5");
+  EXPECT_EQ(cut.at("times"), (Json{0.0, 1.0, 2.0, 3.0})) << "with the next ones on either side";
+  EXPECT_EQ(cut.at("count"), 2);
+  EXPECT_EQ(series_of("?from=12").at("times"), (Json{1.0, 2.0, 3.0}));
+  EXPECT_EQ(series_of("?to=10").at("times"), (Json{0.0, 1.0}));
+  const Json thin = series_of("?from=11&to=13&points=2");
+  EXPECT_EQ(thin.at("times"), (Json{0.0, 1.0, 2.0})) << "the extremes of the range";
+  EXPECT_EQ(thin.at("count"), 3);
+  EXPECT_EQ(series_of("?from=100&to=200").at("count"), 0);
+}
+
 TEST_F(Plots, KeyframesAreThinnedAndCut) {
   const std::string drive = MappedDrive();
 
@@ -50,7 +66,9 @@ TEST_F(Plots, SayWhatIsWrong) {
     for (const char* points : {"1", "x", "1e3", "20001", "-4"})
       ExpectProblem(client().Get(drive + what + "?points=" + points), 400, "invalid_input");
   }
-  ExpectProblem(client().Get(drive + "/keyframes?from=noon"), 400, "invalid_input");
+  for (const std::string what : {"/plots", "/keyframes"})
+    for (const char* range : {"?from=noon", "?to=1m", "?from=12&to=11"})
+      ExpectProblem(client().Get(drive + what + range), 400, "invalid_input");
 }
 
 TEST_F(Plots, ADriveWithoutAMapHasNone) {

@@ -88,6 +88,54 @@ TEST_F(ReviewRoutes, TakeOnlyWhatTheyKnow) {
   EXPECT_EQ(Get(map_ + "/review").at("state"), "draft");
 }
 
+TEST_F(ReviewRoutes, AChecklistIsTickedByItemAndKeptByADecision) {
+  const Json usual = Get(map_ + "/checklist");
+  EXPECT_TRUE(usual.at("usual").get<bool>());
+  EXPECT_EQ(usual.at("items").at(0).at("id"), "coverage");
+  EXPECT_TRUE(usual.at("items").at(0).at("ticked_by").is_null());
+
+  const auto set = client().Put(
+      site_, R"({"review_checklist": [{"id": "ramp", "text": "Ramps"}, {"text": "Bays"}]})",
+      "application/json");
+  ASSERT_EQ(set->status, 200) << set->body;
+  const Json own = Get(site_).at("review_checklist");
+  ASSERT_EQ(own.size(), 2u);
+  EXPECT_FALSE(own.at(1).at("id").get<std::string>().empty()) << "a new item gets an id";
+
+  const auto ticked =
+      client().Put(map_ + "/checklist/ramp", R"({"ticked": true})", "application/json");
+  ASSERT_EQ(ticked->status, 200) << ticked->body;
+  EXPECT_EQ(Get(map_ + "/checklist").at("items").at(0).at("ticked_by"), "local");
+  Do({{"action", "submit"}});
+  const Json review = Json::parse(Do({{"action", "approve"}})->body);
+  const Json kept = review.at("history").at(0).at("checklist");
+  EXPECT_EQ(kept.at(0).at("ticked_by"), "local");
+  EXPECT_TRUE(kept.at(1).at("ticked_by").is_null());
+  EXPECT_TRUE(review.at("history").at(1).at("checklist").is_null());
+
+  client().Put(site_, R"({"review_checklist": null})", "application/json");
+  EXPECT_TRUE(Get(site_).at("review_checklist").is_null());
+  EXPECT_TRUE(Get(map_ + "/checklist").at("usual").get<bool>());
+}
+
+TEST_F(ReviewRoutes, ChecklistsAreChecked) {
+  const auto tick = [&](const std::string& item, const std::string& body) {
+    return client().Put(map_ + "/checklist/" + item, body, "application/json");
+  };
+  ExpectProblem(tick("ramp", R"({"ticked": true})"), 404, "not_found");
+  for (const char* body : {"", "{}", R"({"ticked": "yes"})", R"({"ticked": true, "by": "x"})"})
+    ExpectProblem(tick("loops", body), 400, "invalid_input");
+  ExpectProblem(client().Get(site_ + "/maps/9/checklist"), 404, "not_found");
+  for (const char* list :
+       {"7", R"(["a"])", R"([{"id": "a"}])", R"([{"text": ""}])", R"([{"text": "a\nb"}])",
+        R"([{"id": "a/b", "text": "x"}])", R"([{"id": "a", "text": "x", "more": 1}])",
+        R"([{"id": "a", "text": "x"}, {"id": "a", "text": "y"}])"})
+    ExpectProblem(client().Put(site_, std::string(R"({"review_checklist": )") + list + "}",
+                               "application/json"),
+                  400, "invalid_input");
+  EXPECT_TRUE(Get(map_ + "/checklist").at("usual").get<bool>());
+}
+
 TEST_F(ReviewRoutes, CommentsAreMadeAnsweredChangedAndDeleted) {
   const std::string drive = Get("/api/v1/drives").at("items").at(0).at("id");
   const Json first =

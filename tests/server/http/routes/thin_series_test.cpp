@@ -31,6 +31,26 @@ TEST(ThinSeries, AShortOneStaysAsItIs) {
   EXPECT_EQ(thin.values, series.values);
 }
 
+TEST(ThinRange, OfAShortRangeIsAsFineAsItWasMeasured) {
+  const TimeSeries series = Noise(10000);
+  const double begin = series.times[4000], end = series.times[4099];
+
+  const ThinnedRange range = ThinRange(series, begin, end, 100);
+
+  EXPECT_EQ(range.count, 100u);
+  ASSERT_EQ(range.series.times.size(), 102u);
+  EXPECT_EQ(range.series.times.front(), series.times[3999]);
+  EXPECT_EQ(range.series.values.back(), series.values[4100]);
+  EXPECT_EQ(range.series.values[50], series.values[4049]);
+}
+
+TEST(ThinRange, OutsideOfTheSeriesHasOnlyItsNeighbor) {
+  const TimeSeries series = Noise(100);
+  EXPECT_EQ(ThinRange(series, 1e6, 2e6, 10).series.times, std::vector{series.times.back()});
+  EXPECT_EQ(ThinRange(series, -9, -8, 10).series.times, std::vector{series.times.front()});
+  EXPECT_TRUE(ThinRange({}, 0, 1, 10).series.times.empty());
+}
+
 TEST(ThinSeries, KeepsTheExtremesOfEveryStretch) {
   constexpr int kPoints = 60;
   const TimeSeries series = Noise(10000);

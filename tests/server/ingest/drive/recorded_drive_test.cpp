@@ -142,6 +142,22 @@ TEST(RecordedDrive, WhatIsLaterThanTheWindowIsCountedNotDelivered) {
   EXPECT_GT(drive->health().streams[3].Dropped(DropReason::kLate), 50u);
 }
 
+TEST(RecordedDrive, WhoChoosesSomeImagesChangesNoRates) {
+  const auto drive = Open(MakeLog({}));
+  const std::uint64_t before = drive->health().streams[3].num_delivered;
+  ReadOptions options;
+  options.wants_image = [](int camera, Timestamp) { return camera == 1; };
+
+  const Records records = ReadAll(*drive, options);
+
+  EXPECT_EQ(records.images, 60);
+  for (const StreamHealth& stream : drive->health().streams)
+    EXPECT_GT(stream.num_delivered, 1u) << stream.role;
+  EXPECT_EQ(drive->health().streams[3].num_delivered, before);
+  ReadAll(*drive);
+  EXPECT_EQ(drive->health().streams[3].num_delivered, before) << "a whole pass counts as before";
+}
+
 TEST(RecordedDrive, TheRigComesFromCameraInfoAndStaticTransforms) {
   const auto drive = Open(MakeLog({}));
 

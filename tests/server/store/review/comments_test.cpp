@@ -186,5 +186,50 @@ TEST_F(Comments, AreTextThatIsKeptAsItIs) {
   EXPECT_EQ(ErrorOf([&] { Add(" \n"); }).code(), ErrorCode::kInvalidInput);
 }
 
+/// Of all sites.
+std::vector<CommentThread> Threads(Store& store, const ThreadFilter& filter = {},
+                                   const Page& page = {}) {
+  return store.database.Read(
+      [&](Connection& connection) { return ListThreads(connection, page, filter); });
+}
+
+TEST_F(Comments, ThreadsOfAllVersionsComeByWhatWasSaidLast) {
+  const Comment old = Add("old"), young = Add("young");
+  PublishAgain();
+  AddComment(store_, "lot", 2, {"of version 2", std::nullopt, {}}, "eve");
+  Answer(old, "but look", "bob");
+
+  const std::vector<CommentThread> threads = Threads(store_);
+  ASSERT_EQ(threads.size(), 3u);
+  EXPECT_EQ(threads[0].first.id, old.id);
+  EXPECT_EQ(threads[0].num_answers, 1);
+  EXPECT_EQ(threads[0].last_author, "bob");
+  EXPECT_EQ(threads[1].first.version, 2);
+  EXPECT_EQ(threads[2].first.id, young.id);
+  EXPECT_EQ(threads[2].last_author, "ann") << "it has no answer";
+
+  const std::vector<CommentThread> rest =
+      Threads(store_, {}, {.limit = 1, .before = threads[0].sequence});
+  ASSERT_EQ(rest.size(), 1u);
+  EXPECT_EQ(rest[0].first.version, 2);
+}
+
+TEST_F(Comments, ThreadsAreChosenBySiteStateAndWhetherTheyAreOpen) {
+  const Comment open = Add("open"), done = Add("done");
+  Change(done, {.is_resolved = true});
+  const auto ids = [&](const ThreadFilter& filter) {
+    std::vector<std::string> found;
+    for (const CommentThread& thread : Threads(store_, filter)) found.push_back(thread.first.id);
+    return found;
+  };
+  EXPECT_EQ(ids({.is_resolved = false}), std::vector{open.id});
+  EXPECT_EQ(ids({.is_resolved = true}), std::vector{done.id});
+  EXPECT_EQ(ids({.site = "lot"}).size(), 2u);
+  EXPECT_TRUE(ids({.site = "elsewhere"}).empty());
+  EXPECT_TRUE(ids({.scope = {{"elsewhere"}}}).empty()) << "who may not see a site reads nothing";
+  EXPECT_EQ(ids({.states = {ReviewState::kDraft}}).size(), 2u);
+  EXPECT_TRUE(ids({.states = {ReviewState::kRejected, ReviewState::kApproved}}).empty());
+}
+
 }  // namespace
 }  // namespace parkade

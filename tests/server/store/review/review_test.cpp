@@ -5,6 +5,8 @@
 #include <thread>
 
 #include "core/error.h"
+#include "server/store/review/checklist.h"
+#include "server/store/review/site_settings.h"
 #include "tests/server/store/review/published_site.h"
 
 namespace parkade {
@@ -48,6 +50,23 @@ TEST_F(Review, KeepsWhatWasDoneByWhomAndWhy) {
   EXPECT_FALSE(status.history[2].created_at.empty());
   const Page second{.limit = 2, .before = status.history[1].sequence};
   EXPECT_EQ(ReviewOf(store_, "lot", 1, second).history.front().action, "submit");
+}
+
+TEST_F(Review, ADecisionKeepsTheChecklistAsItWasThen) {
+  ChangeSite(store_, "lot", {.review_checklist = {{{{"ramp", "Ramps driven"}, {"bay", "Bays"}}}}});
+  TickItem(store_, "lot", 1, "ramp", true, "bob");
+  Do("submit");
+  Do("approve");
+  TickItem(store_, "lot", 1, "bay", true, "ann");
+  ChangeSite(store_, "lot", {.review_checklist = {std::nullopt}});
+
+  const std::vector<ReviewEntry> history = ReviewOf(store_, "lot", 1, {}).history;
+  EXPECT_FALSE(history[1].checklist) << "a submission decides nothing";
+  ASSERT_TRUE(history[0].checklist);
+  ASSERT_EQ(history[0].checklist->size(), 2u);
+  EXPECT_EQ((*history[0].checklist)[0].item.text, "Ramps driven");
+  EXPECT_EQ((*history[0].checklist)[0].ticked_by, "bob");
+  EXPECT_FALSE((*history[0].checklist)[1].ticked_by) << "it was open";
 }
 
 TEST_F(Review, AllowsWhatTheTableSaysAndNothingElse) {

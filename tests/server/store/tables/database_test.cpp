@@ -132,10 +132,12 @@ TEST(Database, TakesOverJobsOfTheSchemaBefore) {
       for (const char* table :
            {"uploads", "upload_sets", "file_checks", "sessions", "shares", "tokens", "audit"})
         connection.Execute(std::string("DROP TABLE ") + table);
+      connection.Execute("DROP TABLE checklist_ticks");
+      connection.Execute("ALTER TABLE sites DROP COLUMN review_checklist");
       DropReviewSchema(connection);
       connection.Execute("UPDATE jobs SET pid = 7");
       for (const char* column :
-           {"not_before", "engine", "engine_id", "engine_waits", "cancel_asked"})
+           {"not_before", "engine", "engine_id", "engine_waits", "cancel_asked", "last_stage"})
         connection.Execute(std::string("ALTER TABLE jobs DROP COLUMN ") + column);
       connection.Execute("PRAGMA user_version=3");
     });

@@ -1,5 +1,5 @@
-// How far each GNSS fix lies off the way, as a ring of that radius about where the car was. Maps do not
-// publish the fixes themselves.
+// How far each GNSS fix lies off the way, as a ring of that radius about where the car was: for maps of
+// before, which do not say where the fixes lie (fixes.ts).
 
 import * as THREE from 'three';
 

@@ -33,11 +33,13 @@ test('links between drives need times; those without are counted', () => {
       { place_a: 0, place_b: 1, weight: 1, time_a: 102, time_b: 103 },
       { place_a: 0, place_b: 1, weight: 0.1, time_a: 102, time_b: 103 },
       { place_a: 0, place_b: 1, weight: 1 },
+      { place_a: 0, place_b: 1, weight: 0, time_a: 102, time_b: 103, state: 'rejected by the reviewer' },
+      { place_a: 0, place_b: 1, weight: 1, time_a: 102, time_b: 103, state: 'forced by the reviewer' },
     ] }] },
   } as unknown as Report;
   const { edges, count } = linksOf(report, trackOf);
-  expect(count).toBe(3);
-  expect(edges.map(({ state }) => state)).toEqual(['accepted', 'rejected']);
+  expect(count).toBe(5);
+  expect(edges.map(({ state }) => state)).toEqual(['accepted', 'rejected', 'rejected', 'open']);
   expect(edges[0]).toMatchObject({ from: [2, 0, 0], to: [3, 1, 0] });
   expect(linksOf({ drives: [] } as unknown as Report, trackOf)).toEqual({ edges: [], count: 0 });
 });

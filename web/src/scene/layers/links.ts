@@ -60,7 +60,7 @@ interface Pair {
   b: string;
   rejected: string;
   /** Reports of before 0.2 name places only; without times nobody knows where these are. */
-  links: { time_a?: number; time_b?: number; weight: number }[];
+  links: { time_a?: number; time_b?: number; weight: number; state?: string }[];
 }
 
 export const pairsOf = (report: Report) => (report.join?.pairs ?? []) as Pair[];
@@ -68,9 +68,10 @@ export const pairsOf = (report: Report) => (report.join?.pairs ?? []) as Pair[];
 export function linksOf(report: Report, trackOf: TrackOf): Edges {
   return drawn(
     pairsOf(report).flatMap(({ a, b, rejected, links }) =>
-      links.map(({ time_a, time_b, weight }) =>
-        edgeBetween(trackOf(a), time_a, trackOf(b), time_b, rejected === '' && weight > kAccept ? 'accepted' : 'rejected'),
-      ),
+      links.map(({ time_a, time_b, weight, state }) => {
+        const isBelieved = rejected === '' && weight > kAccept;
+        return edgeBetween(trackOf(a), time_a, trackOf(b), time_b, state === undefined ? (isBelieved ? 'accepted' : 'rejected') : stateOf(state));
+      }),
     ),
   );
 }
