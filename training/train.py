@@ -181,13 +181,14 @@ def batches_of_pool(plain, fisheye, arguments, progress):
 
 
 def follow(average, network, decay):
-    """Moves the average toward the network; both are lists of tensors."""
+    """Moves the average toward the network."""
+    values = network.state_dict()
     with torch.no_grad():
-        for kept, value in zip(average, network):
-            if value.dtype.is_floating_point:
-                kept.lerp_(value, 1 - decay)
+        for name, kept in average.state_dict().items():
+            if kept.dtype.is_floating_point:
+                kept.lerp_(values[name], 1 - decay)
             else:
-                kept.copy_(value)
+                kept.copy_(values[name])
 
 
 def make_optimizer(network, rate):
@@ -222,7 +223,6 @@ def train(arguments):
     torch.manual_seed(arguments.seed)
     network = start(arguments)
     average = copy.deepcopy(network)
-    followed = list(average.state_dict().values()), list(network.state_dict().values())
     optimizer = make_optimizer(network, arguments.rate)
     plain, fisheye = load_pictures(arguments)
     print(f"{count_parameters(network)} parameters, {len(plain)} plain pictures, {len(fisheye)} of drives", flush=True)
@@ -246,7 +246,7 @@ def train(arguments):
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 5.0)
         optimizer.step()
-        follow(*followed, min(arguments.average, (step + 1) / (step + 10)))
+        follow(average, network, min(arguments.average, (step + 1) / (step + 10)))
         losses.append(loss.detach())
         step += 1
         is_over = progress >= 1 or (arguments.steps and step >= arguments.steps)

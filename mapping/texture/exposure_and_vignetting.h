@@ -26,8 +26,9 @@ class ExposureAndVignetting {
   /// The gains of blue, green and red at a pixel.
   const std::array<float, 3>& At(const Eigen::Vector2f& pixel) const {
     const float step = (pixel - middle_).squaredNorm() * steps_per_square_;
-    return factors_[step < static_cast<float>(kNumSteps - 1) ? static_cast<std::size_t>(step + 0.5F)
-                                                             : kNumSteps - 1];
+    if (!(step < static_cast<float>(kNumSteps - 1))) return factors_[kNumSteps - 1];
+    // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative, and lround is a call
+    return factors_[static_cast<std::size_t>(step + 0.5F)];
   }
 
  private:

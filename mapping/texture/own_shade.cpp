@@ -15,9 +15,10 @@ constexpr double kFrontOverhang = 0.85, kRearOverhang = 0.8, kSide = 0.12;
 constexpr double kFloor = 0.2, kRoof = 1.5;
 
 constexpr int kNumAzimuths = 72;
-constexpr double kLowest = 8, kHighest = 72, kElevationStep = 4;  // [degrees] of the sun
-constexpr double kFine = 1;                                       // [degrees] of the last search
-constexpr std::size_t kMinShaded = 60;                            // samples
+constexpr int kNumElevations = 17;
+constexpr double kLowest = 8, kElevationStep = 4;  // [degrees] of the sun
+constexpr int kNumFine = 4;                        // [degrees] around the best of them, by one
+constexpr std::size_t kMinShaded = 60;             // samples
 constexpr double kMinDarkness = 0.12;  // log: what is in the shade is at least 11 % darker
 constexpr double kMinMatch = 0.5;      // correlation of what is dark with what is shaded
 constexpr double kDark = 0.5;          // log: darker tells no more
@@ -85,8 +86,8 @@ std::optional<Eigen::Vector3d> FindSun(std::span<const ShadeSample> samples,
   if (samples.size() < 2 * kMinShaded || contact.wheelbase <= 0 || contact.track <= 0) return {};
   std::vector<std::pair<double, double>> directions;  // azimuth, elevation [degrees]
   for (int i = 0; i < kNumAzimuths; ++i)
-    for (double elevation = kLowest; elevation <= kHighest; elevation += kElevationStep)
-      directions.emplace_back(360.0 * i / kNumAzimuths, elevation);
+    for (int k = 0; k < kNumElevations; ++k)
+      directions.emplace_back(360.0 * i / kNumAzimuths, kLowest + kElevationStep * k);
   const auto best_of = [&](const std::vector<std::pair<double, double>>& tried) {
     const std::vector<Match> matches = ParallelMap(tried.size(), [&](std::size_t i) {
       return MatchOf(samples, car, Direction(tried[i].first, tried[i].second));
@@ -98,9 +99,9 @@ std::optional<Eigen::Vector3d> FindSun(std::span<const ShadeSample> samples,
   };
   const auto [coarse, ignored] = best_of(directions);
   directions.clear();
-  for (double azimuth = -4; azimuth <= 4; azimuth += kFine)
-    for (double elevation = -3; elevation <= 3; elevation += kFine)
-      directions.emplace_back(coarse.first + azimuth, coarse.second + elevation);
+  for (int i = -kNumFine; i <= kNumFine; ++i)
+    for (int k = -kNumFine; k <= kNumFine; ++k)
+      directions.emplace_back(coarse.first + i, coarse.second + k);
   const auto [fine, match] = best_of(directions);
   if (match.num_shaded < kMinShaded || match.darkness < kMinDarkness ||
       match.correlation < kMinMatch)

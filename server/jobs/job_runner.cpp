@@ -233,8 +233,8 @@ JobRunner::Interruption JobRunner::Supervise(const Job& job, EngineAttempt& atte
     const JobPlace place = attempt.place();
     const bool has_moved = place != stored;
     if (has_moved && StorePlace(job, place)) stored = place;
-    if (news.has_ended) return interruption;
     if (has_moved || news.has_spoken || attempt.reason() != reason) Announce(job, attempt);
+    if (news.has_ended) return interruption;
   }
 }
 

@@ -73,7 +73,7 @@ TEST_F(SegmentingAFan, ANetworkThatKnowsNothingSaysNothing) {
 
 class HidingBehindObstacles : public testing::Test {
  protected:
-  /// g ground, n not ground, p pavement, u unknown: one letter per range of the only ray.
+  /// g ground, n not ground, u unknown: one letter per range of the only ray.
   static std::string Hide(const std::string& before, bool is_trusted, double obstacle_depth = 0.5,
                           double beyond_depth = 0) {
     GroundGrid grid{.num_rays = 1,
@@ -89,7 +89,6 @@ class HidingBehindObstacles : public testing::Test {
       found.labels.push_back(before[i] == 'g'   ? GroundLabel::kGround
                              : before[i] == 'u' ? GroundLabel::kUnknown
                                                 : GroundLabel::kNotGround);
-      found.surfaces.push_back(before[i] == 'p' ? SurfaceClass::kPavement : SurfaceClass::kVehicle);
     }
     grid.cells.resize(before.size());
     SegmentGroundOptions options;
@@ -124,11 +123,6 @@ TEST_F(HidingBehindObstacles, AGuessEndsAtTheFirstObstacle) {
 }
 TEST_F(HidingBehindObstacles, AMaskMaySeeGroundAgainBehind) {
   EXPECT_EQ(Hide("ggnnnnggnnn", true), "ggnnuuggnnu");
-}
-TEST_F(HidingBehindObstacles, APavementHidesNothingAndIsSeenAllOver) {
-  EXPECT_EQ(Hide("gppppppp", true, 1), "gnnnnnnn");
-  EXPECT_EQ(Hide("gpppgnnnnn", true, 1), "gnnngnnhhu");
-  EXPECT_EQ(Hide("ggnnpppp", true, 1), "ggnnhhuu") << "behind a car it may be its roof";
 }
 TEST_F(HidingBehindObstacles, WhatComesBeforeTheFirstGroundIsTheOwnCar) {
   EXPECT_EQ(Hide("nnggg", false), "uuggg");
