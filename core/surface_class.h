@@ -33,9 +33,4 @@ constexpr std::string_view NameOf(SurfaceClass surface) {
 constexpr std::size_t kNumClassesForCars = 2;  ///< the first ones
 constexpr bool IsForCars(SurfaceClass surface) { return surface <= SurfaceClass::kMarking; }
 
-/// Ground that lies beside the road and hides nothing of what is behind it.
-constexpr bool IsLevelLand(SurfaceClass surface) {
-  return surface == SurfaceClass::kPavement || surface == SurfaceClass::kKerb;
-}
-
 }  // namespace parkade

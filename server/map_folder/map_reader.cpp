@@ -109,7 +109,7 @@ LoopReview MapReader::ReviewOf(const std::string& drive) const {
 }
 
 std::filesystem::path MapReader::FileNamed(const std::string& name) const {
-  const std::filesystem::path file = folder_ / name;
+  std::filesystem::path file = folder_ / name;
   Require(std::filesystem::exists(file), ErrorCode::kInvalidInput,
           "the map in " + folder_.string() + " has no " + name +
               (datum_ ? ""

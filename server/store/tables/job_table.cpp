@@ -159,7 +159,7 @@ bool HasCompanions(Connection& connection, const Job& job) {
 
 std::vector<std::string> EndCompanions(Connection& connection, const Job& job,
                                        std::int64_t version) {
-  const std::vector<std::string> ids = Companions(connection, job);
+  std::vector<std::string> ids = Companions(connection, job);
   for (const std::string& id : ids)
     connection.Execute(
         "UPDATE jobs SET state = ?, map_version = ?, started_at = ?, finished_at = ? WHERE id = ?",

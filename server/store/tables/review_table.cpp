@@ -58,6 +58,7 @@ std::optional<std::vector<ChecklistEntry>> EntriesFromText(const std::optional<s
 std::vector<ChecklistEntry> WithTicks(Connection& connection, const std::string& map,
                                       const std::vector<ChecklistItem>& items) {
   std::vector<ChecklistEntry> entries;
+  entries.reserve(items.size());
   for (const ChecklistItem& item : items) entries.push_back({item, std::nullopt, std::nullopt});
   Statement ticks =
       connection.Query("SELECT item, author, created_at FROM checklist_ticks WHERE map = ?", map);

@@ -145,7 +145,7 @@ export const checks = {
       await world.picture('approve');
       await page.keyboard.press('Escape');
       await dialog.waitFor({ state: 'detached' });
-      await page.getByText('History').click();
+      await page.locator('summary').filter({ hasText: 'History' }).click();
       await page.getByText('Checklist: 1 of 2 ticked; open:').waitFor();
       await page.getByRole('listitem').filter({ hasText: /^Bays named$/ }).waitFor();
     } finally {
@@ -176,7 +176,7 @@ export const checks = {
     await page.getByLabel('Remark', { exact: true }).fill(text);
     await page.getByRole('dialog').getByRole('button', { name: 'Remark' }).click();
     await page.getByRole('dialog').waitFor({ state: 'detached' });
-    await page.getByText('History').click();
+    await page.locator('summary').filter({ hasText: 'History' }).click();
     await page.getByText(text).waitFor();
   },
 

@@ -107,7 +107,7 @@ export const checks = {
     await withFile('e2e-cut.mcap', noise(kBytes), async (file) => {
       const first = await page.context().newPage();
       await first.goto(`${address}/upload`);
-      const cutLine = await slowDown(first, 2_000_000);
+      const cutLine = await slowDown(first, 800_000);
       await choose(first, file);
       await first.getByRole('button', { name: 'Upload this drive' }).click();
       await first.locator('[data-upload][data-state="sending"]').waitFor();
