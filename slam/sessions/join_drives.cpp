@@ -7,11 +7,19 @@
 #include "slam/loops/close_loops.h"
 #include "slam/loops/keyframe_graph.h"
 #include "slam/pose_graph/robust_pose_graph.h"
+#include "slam/sessions/forced_links.h"
 #include "slam/sessions/match_all_sessions.h"
 #include "slam/sessions/place_by_gnss.h"
 
 namespace parkade {
 namespace {
+
+/// The link by which two drives are laid to each other at first: one that is not doubted, else any.
+size_t StartLink(const DrivePair& pair) {
+  const auto forced = std::find(pair.is_forced.begin(), pair.is_forced.end(), true);
+  return forced != pair.is_forced.end() ? static_cast<size_t>(forced - pair.is_forced.begin())
+                                        : pair.found.links.size() / 2;
+}
 
 /// Where the drives' odometry frames lie in that of the group's first drive, link by link. Empty
 /// for other drives.
@@ -24,7 +32,7 @@ std::vector<std::optional<Rigid3>> StartFrames(const std::vector<DriveToJoin>& d
     for (const DrivePair& pair : pairs) {
       std::optional<Rigid3>&a = group_from_odom[pair.drive_a], &b = group_from_odom[pair.drive_b];
       if (pair.num_accepted() == 0 || a.has_value() == b.has_value()) continue;
-      const SessionLoop& link = pair.found.links[pair.found.links.size() / 2];
+      const SessionLoop& link = pair.found.links[StartLink(pair)];
       const RigKeyframe& keyframe_a = drives[pair.drive_a].keyframes[link.keyframe_a];
       const RigKeyframe& keyframe_b = drives[pair.drive_b].keyframes[link.keyframe_b];
       const Rigid3 odom_a_from_b = keyframe_a.odom_from_keyframe * link.pose.a_from_b *
@@ -231,6 +239,7 @@ DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& 
   join.pairs = std::move(matched.pairs);
   join.findings = std::move(matched.findings);
   for (DrivePair& pair : join.pairs) reviewed.Judge(pair);
+  AddForcedLinks(reviewed, drives, loops, links, join.pairs);
 
   // Links that the joint graph rejects may leave drives apart that seemed to hang together.
   std::vector<size_t> groups = FindGroups(drives.size(), join.pairs), before;

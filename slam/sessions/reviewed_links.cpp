@@ -41,15 +41,6 @@ LinkEnds EndsIn(const DrivePair& pair, const SessionLoop& link) {
   return {pair.drive_a, link.keyframe_a, pair.drive_b, link.keyframe_b};
 }
 
-bool Has(const DrivePair& pair, const LinkEnds& ends) {
-  const auto& links = pair.found.links;
-  return std::any_of(links.begin(), links.end(),
-                     [&](const SessionLoop& link) { return EndsIn(pair, link) == ends; }) ||
-         std::any_of(pair.rejected.begin(), pair.rejected.end(), [&](const RejectedLink& rejected) {
-           return EndsIn(pair, rejected.link) == ends;
-         });
-}
-
 }  // namespace
 
 std::optional<LinkEnds> FindEnds(const std::string& id, const std::vector<std::string>& names) {
@@ -91,16 +82,34 @@ void ReviewedLinks::Judge(DrivePair& pair) const {
     pair.found.rejected = "a reviewer rejected all links";
 }
 
+bool HasLink(const DrivePair& pair, const LinkEnds& ends) {
+  const auto& links = pair.found.links;
+  return std::any_of(links.begin(), links.end(),
+                     [&](const SessionLoop& link) { return EndsIn(pair, link) == ends; }) ||
+         std::any_of(pair.rejected.begin(), pair.rejected.end(), [&](const RejectedLink& rejected) {
+           return EndsIn(pair, rejected.link) == ends;
+         });
+}
+
 void RequireLinks(const LinkReview& review, const std::vector<std::string>& names,
                   const std::vector<DrivePair>& pairs) {
-  for (const auto* ids : {&review.rejected, &review.forced})
-    for (const std::string& id : *ids) {
-      const std::optional<LinkEnds> ends = FindEnds(id, names);
-      Require(ends && std::any_of(pairs.begin(), pairs.end(),
-                                  [&](const DrivePair& pair) { return Has(pair, *ends); }),
-              ErrorCode::kUsage,
-              "no link between the drives is called '" + id + "'; report.json names them");
-    }
+  const auto ends_of = [&](const std::string& id) {
+    const std::optional<LinkEnds> ends = FindEnds(id, names);
+    Require(ends.has_value(), ErrorCode::kUsage,
+            "'" + id + "' names no two places of drives of this map, DRIVE:PLACE~DRIVE:PLACE");
+    return *ends;
+  };
+  const auto is_there = [&](const LinkEnds& ends) {
+    return std::any_of(pairs.begin(), pairs.end(),
+                       [&](const DrivePair& pair) { return HasLink(pair, ends); });
+  };
+  for (const std::string& id : review.rejected)
+    Require(is_there(ends_of(id)), ErrorCode::kUsage,
+            "no link between the drives is called '" + id + "'; report.json names them");
+  for (const std::string& id : review.forced)
+    Require(is_there(ends_of(id)), ErrorCode::kUsage,
+            "the link '" + id +
+                "' cannot be forced: its two places show too little in common to measure it");
 }
 
 }  // namespace parkade

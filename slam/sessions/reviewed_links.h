@@ -13,7 +13,7 @@ namespace parkade {
 /// "DRIVE:KEYFRAME~DRIVE:KEYFRAME".
 struct LinkReview {
   std::vector<std::string> rejected = {};  ///< do not join the drives
-  std::vector<std::string> forced = {};    ///< are not doubted
+  std::vector<std::string> forced = {};    ///< are not doubted; measured where none was found
 };
 
 /// The keyframes of two drives that a link ties, by indices; drive_a < drive_b.
@@ -37,6 +37,7 @@ class ReviewedLinks {
   ReviewedLinks(const LinkReview& review, const std::vector<std::string>& names);
 
   bool Rejects(const LinkEnds& link) const;
+  const std::vector<LinkEnds>& forced() const { return forced_; }
   /// Sets the pair's rejected links aside, and marks those that are forced. For a pair as it was
   /// found.
   void Judge(DrivePair& pair) const;
@@ -45,8 +46,10 @@ class ReviewedLinks {
   std::vector<LinkEnds> rejected_, forced_;
 };
 
-/// Throws Error{kUsage} for a decision about a link that was not found between the drives called
-/// `names`.
+bool HasLink(const DrivePair& pair, const LinkEnds& ends);
+
+/// Throws Error{kUsage} for a decision that could not be followed: one about other drives than
+/// those called `names`, a rejected link that was not found, a forced one that cannot be measured.
 void RequireLinks(const LinkReview& review, const std::vector<std::string>& names,
                   const std::vector<DrivePair>& pairs);
 

@@ -6,7 +6,6 @@
 #include "core/parallel.h"
 #include "slam/loops/loop_shares.h"
 #include "slam/places/estimate_rig_pose.h"
-#include "slam/places/place_recognition.h"
 #include "slam/places/widen_keyframe.h"
 #include "slam/sessions/consistent_loops.h"
 
@@ -101,16 +100,7 @@ class DriveLinker {
   /// Measures candidates and adds the good ones to measured_.
   void Measure(const std::vector<PlaceCandidate>& candidates) {
     std::vector<SessionLoop> links = ParallelMap(candidates.size(), [&](size_t i) {
-      const auto neighbors = static_cast<size_t>(options_.neighbors);
-      const RigKeyframe a = WidenKeyframe(keyframes_a_, candidates[i].earlier, neighbors);
-      const RigKeyframe b = WidenKeyframe(keyframes_b_, candidates[i].later, neighbors);
-      SessionLoop link{candidates[i].earlier, candidates[i].later, candidates[i].score,
-                       EstimateRigPose(a, b, MatchKeyframes(a, b, relative_pose_), relative_pose_)};
-      // Points that several neighbors saw count more than once.
-      const double repeats = 2 * options_.neighbors + 1;
-      link.pose.information /= repeats;
-      link.pose.worst_sigma *= std::sqrt(repeats);
-      return link;
+      return MeasureLink(keyframes_a_, keyframes_b_, candidates[i], options_, relative_pose_);
     });
     for (SessionLoop& link : links) {
       tried_.insert({link.keyframe_a, link.keyframe_b});
@@ -210,6 +200,22 @@ class DriveLinker {
 };
 
 }  // namespace
+
+SessionLoop MeasureLink(const std::vector<RigKeyframe>& keyframes_a,
+                        const std::vector<RigKeyframe>& keyframes_b, const PlaceCandidate& places,
+                        const SessionLoopOptions& options,
+                        const RelativePoseOptions& relative_pose) {
+  const auto neighbors = static_cast<size_t>(options.neighbors);
+  const RigKeyframe a = WidenKeyframe(keyframes_a, places.earlier, neighbors);
+  const RigKeyframe b = WidenKeyframe(keyframes_b, places.later, neighbors);
+  SessionLoop link{places.earlier, places.later, places.score,
+                   EstimateRigPose(a, b, MatchKeyframes(a, b, relative_pose), relative_pose)};
+  // Points that several neighbors saw count more than once.
+  const double repeats = 2 * options.neighbors + 1;
+  link.pose.information /= repeats;
+  link.pose.worst_sigma *= std::sqrt(repeats);
+  return link;
+}
 
 double SimilarityOf(const ComparedDrive& a, const ComparedDrive& b,
                     const SessionLoopOptions& options, const std::optional<Rigid3>& a_from_b,

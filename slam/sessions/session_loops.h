@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "slam/places/compare_bevs.h"
+#include "slam/places/place_recognition.h"
 #include "slam/places/place_words.h"
 #include "slam/places/relative_pose.h"
 #include "slam/places/rig_keyframe.h"
@@ -34,6 +35,13 @@ struct ComparedDrive {
   const std::vector<RigKeyframe>* keyframes;  ///< borrowed
   PlaceWords words;
 };
+
+/// Measures keyframe b of one drive in keyframe a of another, each with its neighbors;
+/// `pose.rejected` says why where that cannot be.
+SessionLoop MeasureLink(const std::vector<RigKeyframe>& keyframes_a,
+                        const std::vector<RigKeyframe>& keyframes_b, const PlaceCandidate& places,
+                        const SessionLoopOptions& options,
+                        const RelativePoseOptions& relative_pose);
 
 /// How alike two drives look, 0 to 1: the mean score of their most alike keyframes; 0 where GNSS
 /// puts them apart. Takes the parameters of MatchSessions and a hundredth of its time.

@@ -82,7 +82,7 @@ try {
 
   if (existsSync(process.env.CHROMIUM ?? '/usr/bin/chromium'))
     // The whole page takes longer: target viewer_tests.
-    console.log(run('node', path.join(root, 'web/e2e/run.mjs'), address, 'map', 'time', 'upload', 'review', 'shell'));
+    console.log(run('node', path.join(root, 'web/e2e/run.mjs'), address, 'map', 'time', 'upload', 'review', 'shell', '--retries', '1'));
   else console.log('no Chromium here: the viewer was not driven');
 } finally {
   status = await stopService(service);

@@ -1,4 +1,5 @@
 // Debian's Chromium for the tests of the page: one browser, a page for each case.
+import assert from 'node:assert/strict';
 import { mkdtemp, rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import path from 'node:path';
@@ -54,3 +55,10 @@ async function until(page, predicate, argument, { timeout = 30_000 } = {}) {
 
 /** Waits until a map's first ground is drawn: "lot/2". */
 export const mapShown = (page, name) => page.locator(`body[data-shown="${name}"]`).waitFor({ state: 'attached', timeout: 60_000 });
+
+/** Waits until so many are there: what a page shows comes piece by piece. */
+export async function counted(locator, expected, why) {
+  const end = Date.now() + 30_000;
+  while ((await locator.count()) !== expected && Date.now() < end) await locator.page().waitForTimeout(50);
+  assert.equal(await locator.count(), expected, why);
+}

@@ -101,5 +101,33 @@ TEST_F(ReviewedJoin, AForcedLinkIsBelievedAgainstTheOthers) {
   EXPECT_GT(weight_with({{}, {IdOf(wrong)}}), 0.5);
 }
 
+TEST_F(ReviewedJoin, AForcedPairThatWasNotFoundIsMeasuredAndJoinsTheDrives) {
+  // Nothing is found where more links have to agree than there are.
+  SessionLoopOptions strict;
+  strict.min_links = 100;
+  const auto join_with = [&](const LinkReview& review) {
+    return JoinDrives({a_.drive, b_.drive}, {}, strict, {}, ReviewedLinks(review, names_));
+  };
+  EXPECT_NE(join_with({}).drives[1].left_out, "");
+
+  const LinkReview review{{}, {"a:7~b:7"}};
+  const DriveJoin join = join_with(review);
+  EXPECT_EQ(join.drives[1].left_out, "");
+  ASSERT_EQ(join.pairs[0].found.links.size(), 1u);
+  EXPECT_TRUE(join.pairs[0].IsForced(0));
+  EXPECT_NO_THROW(RequireLinks(review, names_, join.pairs));
+  EXPECT_LT(WorstOffset(a_, join.drives[0].site_from_body, b_, join.drives[1].site_from_body), 0.5);
+}
+
+TEST_F(ReviewedJoin, APairThatShowsNothingInCommonCannotBeForced) {
+  const LinkReview apart{{}, {"a:0~b:19"}}, nowhere{{}, {"a:0~b:999"}};
+  const DriveJoin before = Join({});
+  for (const LinkReview& review : {apart, nowhere}) {
+    const DriveJoin join = Join(review);
+    EXPECT_EQ(join.pairs[0].found.links.size(), before.pairs[0].found.links.size());
+    EXPECT_THROW(RequireLinks(review, names_, join.pairs), Error);
+  }
+}
+
 }  // namespace
 }  // namespace parkade

@@ -1,6 +1,8 @@
 // Drives, jobs and rigs.
 import assert from 'node:assert/strict';
 
+import { counted } from '../browser.mjs';
+
 const kStages = 10; // of a job of one drive
 
 /** Shows one job as another one: only what is given changes. */
@@ -80,8 +82,8 @@ export const checks = {
     });
     await page.goto(`${world.address}/jobs/${job.id}`);
     await page.getByText('Refine · 42 % · 1 min 15 s left').waitFor();
-    assert.equal(await page.locator('[data-stage="refine"].running').count(), 1);
-    assert.equal(await page.locator('[data-stage="write"].ahead').count(), 1);
+    await counted(page.locator('[data-stage="refine"].running'), 1);
+    await counted(page.locator('[data-stage="write"].ahead'), 1);
     await page.getByRole('button', { name: 'Cancel' }).click();
     await page.getByRole('alert').filter({ hasText: 'Its map is being published' }).waitFor();
     assert.ok(isCancelled);
@@ -117,7 +119,7 @@ export const checks = {
     await page.goto(`${world.address}/rigs`);
     await page.getByRole('link', { name: rig.name, exact: true }).click();
     await page.locator('canvas[data-drawn="true"]').waitFor({ timeout: 60_000 });
-    assert.ok((await page.getByRole('region', { name: 'Cameras' }).locator('tbody tr').count()) >= 1);
+    await page.getByRole('region', { name: 'Cameras' }).locator('tbody tr').first().waitFor();
     await world.picture('rig');
   },
 

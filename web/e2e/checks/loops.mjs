@@ -1,7 +1,7 @@
 // Loop review: the list, both pictures, decisions and what is sent of them. No job is started.
 import assert from 'node:assert/strict';
 
-import { mapShown } from '../browser.mjs';
+import { counted, mapShown } from '../browser.mjs';
 
 /** The latest version that has links between drives, with its report; else the latest one. */
 async function reviewed(world) {
@@ -68,7 +68,7 @@ export const checks = {
     await page.goto(`${world.address}/sites/${site.name}/maps/${site.version}?tab=loops&loop=${drive.name}:${id}`);
     await mapShown(page, `${site.name}/${site.version}`);
     await page.locator('svg.inliers').nth(1).waitFor();
-    for (const end of [0, 1]) assert.equal(await page.locator('svg.inliers').nth(end).locator('circle').count(), inliers.points.length);
+    for (const end of [0, 1]) await counted(page.locator('svg.inliers').nth(end).locator('circle'), inliers.points.length);
     const times = await page.locator('article figure img').evaluateAll((images) => images.map((image) => image.dataset.time));
     assert.deepEqual(times, inliers.times, 'the very images that were matched');
     await page.locator('svg.inliers').first().locator('circle').last().hover({ force: true });
@@ -93,13 +93,13 @@ export const checks = {
     await page.getByLabel('State').selectOption('accepted');
     await page.getByLabel('Your decision', { exact: true }).selectOption('undecided');
     const rows = page.getByRole('list', { name: 'Loops and links, by doubt' }).getByRole('button');
-    assert.equal(await rows.count(), 1);
+    await counted(rows, 1);
     await rows.first().click();
     await chosen(page).getByRole('button', { name: /^Accept/ }).click(); // agrees with the mapper
     await page.reload();
     await mapShown(page, `${name}/${version}`);
     const decisions = page.getByRole('region', { name: 'Your decisions' });
-    assert.equal(await decisions.getByRole('listitem').count(), 3, 'a draft outlives a reload');
+    await counted(decisions.getByRole('listitem'), 3, 'a draft outlives a reload');
 
     let sent = null;
     let job = queued(name, {});
@@ -160,7 +160,7 @@ export const checks = {
     await build(page).click();
     await page.getByRole('alert').filter({ hasText: 'the log of the drive was deleted' }).waitFor();
     const undo = page.getByRole('region', { name: 'Your decisions' }).getByRole('button', { name: /^Undo/ });
-    assert.equal(await undo.count(), 1);
+    await counted(undo, 1);
     await undo.click();
     await build(page).waitFor({ state: 'detached' });
     page.faults.length = 0; // the refusal is told on the console
@@ -169,10 +169,10 @@ export const checks = {
   async 'a pair is forced by its numbers or by two clicks, and places that are none are refused'(page, world) {
     const { drive } = await openWithLoops(page, world);
     await page.getByText('Force a pair that was not found').click();
-    const form = page.locator('details form').filter({ hasText: 'Two places of one drive' });
-    await form.getByLabel('Drive').selectOption(drive);
-    const place = form.getByRole('spinbutton', { name: 'Place', exact: true });
-    const other = form.getByRole('spinbutton', { name: 'and place' });
+    const form = page.getByRole('form', { name: 'A pair to force' });
+    for (const which of ['First', 'Second']) await form.getByLabel(`${which} drive`).selectOption(drive);
+    const place = form.getByRole('spinbutton', { name: 'First place' });
+    const other = form.getByRole('spinbutton', { name: 'Second place' });
     await place.fill('3');
     await other.fill('3');
     await form.getByRole('button', { name: 'Look at it' }).click();
@@ -192,5 +192,35 @@ export const checks = {
     await page.locator('#canvas').click({ position: { x: width * 0.5, y: height * 0.45 } });
     await form.getByRole('button', { name: 'Click two places in the map' }).waitFor();
     await chosen(page).getByText('not in the report').or(chosen(page).getByRole('button', { name: /^Accept/ })).first().waitFor();
+  },
+
+  async 'a pair of places of two drives is forced as a link'(page, world) {
+    const site = await reviewed(world);
+    const pair = (site?.report.join?.pairs ?? [])[0];
+    if (!pair) world.skip('no version of two drives');
+    const isKnown = (a, b) => pair.links.some(({ place_a, place_b }) => place_a === a && place_b === b);
+    const [a, b] = [0, 1, 2, 3, 4].flatMap((a) => [0, 1, 2, 3, 4].map((b) => [a, b])).find(([a, b]) => !isKnown(a, b));
+    let sent = null;
+    await page.route(`**/api/v1/sites/${site.name}/maps`, async (route) => {
+      if (route.request().method() !== 'POST') return route.fallback();
+      sent = route.request().postDataJSON();
+      return route.fulfill({ status: 202, json: queued(site.name, {}) });
+    });
+    await page.route('**/api/v1/jobs/00000000deadbeef', (route) => route.fulfill({ json: queued(site.name, {}) }));
+    await page.goto(`${world.address}/sites/${site.name}/maps/${site.version}?tab=loops`);
+    await mapShown(page, `${site.name}/${site.version}`);
+    await page.getByText('Force a pair that was not found').click();
+    const form = page.getByRole('form', { name: 'A pair to force' });
+    await form.getByLabel('First drive').selectOption(pair.b); // named in the report's order all the same
+    await form.getByLabel('Second drive').selectOption(pair.a);
+    await form.getByRole('spinbutton', { name: 'First place' }).fill(String(b));
+    await form.getByRole('spinbutton', { name: 'Second place' }).fill(String(a));
+    await form.getByRole('button', { name: 'Look at it' }).click();
+    await chosen(page).getByRole('heading', { name: `${pair.a} ${a} ↔ ${pair.b} ${b}` }).waitFor();
+    await chosen(page).getByRole('button', { name: 'Force this pair' }).click();
+    await build(page).click();
+    await page.getByRole('region', { name: 'The version that is being built' }).waitFor();
+    assert.deepEqual(sent, { from: site.version, reject_loops: [], force_loops: [], reject_links: [], force_links: [`${pair.a}:${a}~${pair.b}:${b}`] });
+    await page.evaluate((key) => localStorage.removeItem(key), `parkade.loops.${site.name}.${site.version}`);
   },
 };

@@ -1,7 +1,7 @@
 // Pins: where points of the map lie on Earth.
 import assert from 'node:assert/strict';
 
-import { mapShown } from '../browser.mjs';
+import { counted, mapShown } from '../browser.mjs';
 import { clickGround, viewOfGround } from '../ground.mjs';
 
 export const checks = {
@@ -59,10 +59,13 @@ export const checks = {
     );
     await page.goto(`${address}/sites/${site.name}/maps/${site.latest_version}?tab=pins`);
     await page.locator('#pin-panel').waitFor();
-    for (const [point, place] of [['0, 0, 0', '48.1, 11.5'], ['0.1, 0, 0', '48.1, 11.5']]) {
+    const pins = page.locator('#pin-panel ol li');
+    const before = await pins.count();
+    for (const [i, point] of ['0, 0, 0', '0.1, 0, 0'].entries()) {
       await page.locator('#pin-point').fill(point);
-      await page.locator('#pin-place').fill(place);
+      await page.locator('#pin-place').fill('48.1, 11.5');
       await page.keyboard.press('Enter');
+      await counted(pins, before + i + 1); // a person sees it before the next one is typed
     }
     const build = page.getByRole('button', { name: 'Build a version with these' });
     await build.click();

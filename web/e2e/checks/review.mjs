@@ -1,7 +1,7 @@
 // The review of a version: comments, checklist, decisions, and what awaits.
 import assert from 'node:assert/strict';
 
-import { mapShown } from '../browser.mjs';
+import { counted, mapShown } from '../browser.mjs';
 import { clickGround, groundPoint, viewOfGround } from '../ground.mjs';
 
 const pathOf = ({ name, latest_version: version }) => `/sites/${name}/maps/${version}`;
@@ -31,7 +31,7 @@ export const checks = {
 
     const thread = page.locator(`#${await page.getByRole('article').filter({ hasText: text }).getAttribute('id')}`);
     await thread.getByText(/^at -?[\d.]+, /).waitFor();
-    assert.equal(await thread.locator('.head').getAttribute('aria-pressed'), 'true', 'what was written is chosen');
+    await thread.locator('.head[aria-pressed="true"]').waitFor(); // what was written is chosen
     await thread.getByLabel('Answer', { exact: true }).last().fill('It was cut since');
     await thread.getByRole('button', { name: 'Answer' }).click();
     await thread.locator('.answer').getByText('It was cut since').waitFor();
@@ -141,7 +141,7 @@ export const checks = {
       await page.keyboard.press('A');
       await dialog.getByText('Approve this version?').waitFor();
       await dialog.getByText('Not ticked in the checklist:').waitFor();
-      assert.equal(await dialog.getByRole('note').getByRole('listitem').count(), items.length);
+      await counted(dialog.getByRole('note').getByRole('listitem'), items.length);
       await world.picture('approve');
       await page.keyboard.press('Escape');
       await dialog.waitFor({ state: 'detached' });

@@ -1,6 +1,8 @@
 // The frame of all pages: places, roles, signing in, narrow screens.
 import assert from 'node:assert/strict';
 
+import { counted } from '../browser.mjs';
+
 import { playRole } from '../roles.mjs';
 
 const places = (page) => page.getByRole('navigation', { name: 'Places' }).getByRole('link').allInnerTexts();
@@ -44,7 +46,7 @@ export const checks = {
       await page.goto(`${address}/sites`);
       await page.locator('[data-caller]').waitFor();
       assert.deepEqual(await places(page), expected, role);
-      assert.equal(await page.getByRole('banner').getByRole('link', { name: 'Upload' }).count(), role === 'uploader' || role === 'admin' ? 1 : 0, role);
+      await counted(page.getByRole('banner').getByRole('link', { name: 'Upload' }), role === 'uploader' || role === 'admin' ? 1 : 0, role);
       assert.match(await page.locator('[data-caller]').innerText(), role === 'link' ? /shared with robin/ : new RegExp(`robin · ${role}`));
     }
   },

@@ -1,6 +1,8 @@
 // The list of sites, the overview map, and the page of a site.
 import assert from 'node:assert/strict';
 
+import { counted } from '../browser.mjs';
+
 const drawn = (page) => page.waitForSelector('[data-overview="drawn"]', { timeout: 60_000 });
 
 export const checks = {
@@ -14,12 +16,12 @@ export const checks = {
     await page.goto(`${address}/sites`);
     const row = page.locator(`[data-site-row="${site.name}"]`);
     await row.waitFor();
-    assert.equal(await page.locator('[data-site-row]').count(), sites.length);
-    assert.equal(await page.locator('[data-overview="ahead"]').count(), 1);
+    await counted(page.locator('[data-site-row]'), sites.length);
+    await counted(page.locator('[data-overview="ahead"]'), 1);
     letCodeCome();
     await drawn(page);
     const placed = sites.filter(({ datum }) => datum).length;
-    assert.equal(await page.locator('a[data-site]').count(), placed, 'a label for each site on Earth');
+    await counted(page.locator('a[data-site]'), placed, 'a label for each site on Earth');
     await picture('sites');
     await row.locator('a.main').click();
     await page.waitForURL(`**/sites/${site.name}/maps/latest`);
@@ -72,7 +74,7 @@ export const checks = {
     const { address, site, picture } = world;
     await page.goto(`${address}/sites/${site.name}`);
     await page.locator(`[data-version="${site.latest_version}"]`).waitFor();
-    assert.equal(await page.locator('[data-version]').count(), site.versions.length);
+    await counted(page.locator('[data-version]'), site.versions.length);
     await page.locator('[data-drive]').first().waitFor();
     await picture('site');
     if (site.versions.length < 2) world.skip('no site has two versions');

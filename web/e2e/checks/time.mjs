@@ -1,7 +1,7 @@
 // A drive over time: plots, the car, the pictures at a time, and those that show a spot.
 import assert from 'node:assert/strict';
 
-import { mapShown } from '../browser.mjs';
+import { counted, mapShown } from '../browser.mjs';
 
 /** A drive of the site's latest map that has plots, its keyframes, and its map's path. */
 async function find(world) {
@@ -39,9 +39,9 @@ export const checks = {
     await open(page, world, drive, `&t=${middle.toFixed(2)}`);
     const cameras = drive.keyframes.cameras.length;
     await page.waitForFunction((count) => document.querySelectorAll('.tile img').length === count, cameras);
-    assert.ok((await page.locator('.plot canvas').count()) > 2);
+    await page.locator('.plot canvas').nth(2).waitFor();
     for (const { name } of drive.keyframes.cameras) await page.getByRole('button', { name }).first().waitFor();
-    assert.equal(await page.locator('.tile small').count(), cameras, 'each picture says how far off it was taken');
+    await counted(page.locator('.tile small'), cameras, 'each picture says how far off it was taken');
     assert.equal(Number(await slider(page).inputValue()), Number(middle.toFixed(2)));
 
     const before = await page.locator('.tile img').first().getAttribute('src');
@@ -54,7 +54,7 @@ export const checks = {
     await page.waitForFunction((src) => document.querySelector('.tile img')?.src !== src, before);
     await page.reload();
     await page.locator('.plot canvas').nth(1).waitFor();
-    assert.equal(Number(await slider(page).inputValue()), at);
+    await page.waitForFunction((t) => Number(document.querySelector('input[aria-label="Time of the drive"]')?.value) === t, at);
   },
 
   async 'a stretch of time is brushed out of the plots, and given back'(page, world) {
@@ -156,7 +156,7 @@ export const checks = {
     }
     await page.keyboard.press('Escape');
     await dialog.waitFor({ state: 'detached' });
-    assert.equal(await page.locator('.thumb').count(), count, 'the spot stays chosen');
+    await counted(page.locator('.thumb'), count, 'the spot stays chosen');
     await page.keyboard.press('Escape');
     await page.getByText('No spot is chosen').waitFor();
   },

@@ -34,6 +34,7 @@ test('only what differs from the version is sent, loops and links apart', () => 
   const wanted = decided(['a:1-9', 'reject'], ['a:2-8', 'accept'], ['a:3-7', 'force']);
   expect(wanted).toEqual({ ...nothing, reject_loops: ['a:1-9'], force_loops: ['a:2-8', 'a:3-7'] });
   expect(changesIn(wanted)).toBe(3);
+  expect(decided(['a:5~b:6', 'force'])).toEqual({ ...nothing, force_links: ['a:5~b:6'] });
 });
 
 test('words for what a decision does', () => {
@@ -43,12 +44,16 @@ test('words for what a decision does', () => {
   expect(effectOf({ id: 'a:5-6', verdict: 'force' }, undefined)).toBe('is forced');
 });
 
-test('a pair is named by the earlier place first', () => {
-  expect(pairId('a:b', 9, 3, 18)).toBe('a:b:3-9');
-  expect(placesOf('a:b:3-9')).toEqual({ drive: 'a:b', a: 3, b: 9 });
-  expect(placesOf('a:1~b:1')).toBeNull();
-  expect(pairId('a', 3, 3, 18)).toEqual({ obstacle: 'Choose two different places.' });
-  for (const bad of [-1, 18, 2.5, NaN]) expect(pairId('a', 3, bad, 18)).toEqual({ obstacle: 'The places of a are numbered 0 to 17.' });
+test('a pair is named as the service names it', () => {
+  const drives = [{ name: 'b', numPlaces: 5 }, { name: 'a:b', numPlaces: 18 }];
+  const at = (drive: string, index: number) => ({ drive, index });
+  expect(pairId([at('a:b', 9), at('a:b', 3)], drives)).toBe('a:b:3-9');
+  expect(placesOf('a:b:3-9')).toEqual({ a: at('a:b', 3), b: at('a:b', 9) });
+  expect(pairId([at('a:b', 9), at('b', 4)], drives)).toBe('b:4~a:b:9');
+  expect(placesOf('b:4~a:b:9')).toEqual({ a: at('b', 4), b: at('a:b', 9) });
+  expect(placesOf('nothing')).toBeNull();
+  expect(pairId([at('b', 3), at('b', 3)], drives)).toEqual({ obstacle: 'Choose two different places.' });
+  for (const bad of [-1, 18, 2.5, NaN]) expect(pairId([at('b', 1), at('a:b', bad)], drives)).toEqual({ obstacle: 'The places of a:b are numbered 0 to 17.' });
 });
 
 test('a draft is kept by site and version, and a broken one is none', () => {

@@ -1,7 +1,7 @@
 // What a reviewer has decided about loops and links of a version, before it is built with. It stays in the browser until then.
 
 import type { Schemas } from '../api/client';
-import type { Evidence } from './evidence';
+import type { Evidence, PlaceName } from './evidence';
 
 export type Verdict = 'accept' | 'reject' | 'force';
 
@@ -24,7 +24,7 @@ export function requestFor(decisions: readonly Decision[], all: readonly Evidenc
   const wanted: Wanted = { from: version, reject_loops: [], force_loops: [], reject_links: [], force_links: [] };
   for (const { id, verdict } of decisions) {
     const item = all.find((one) => one.id === id);
-    const kind = item?.kind === 'link' ? 'links' : 'loops';
+    const kind = isLink(id) ? 'links' : 'loops';
     const closes = item?.isAccepted ?? false;
     if (verdict === 'reject' && closes) wanted[`reject_${kind}`].push(id);
     if (verdict !== 'reject' && !closes) wanted[`force_${kind}`].push(id);
@@ -41,18 +41,30 @@ export function effectOf({ verdict }: Decision, item: Evidence | undefined): str
   return item.isAccepted ? 'stays' : 'is forced';
 }
 
-/** A pair of one drive as the service names it; a sentence where it is none. */
-export function pairId(drive: string, one: number, other: number, numPlaces: number): string | { obstacle: string } {
-  const isPlace = (place: number) => Number.isInteger(place) && place >= 0 && place < numPlaces;
-  if (!isPlace(one) || !isPlace(other)) return { obstacle: `The places of ${drive} are numbered 0 to ${numPlaces - 1}.` };
-  if (one === other) return { obstacle: 'Choose two different places.' };
-  return `${drive}:${Math.min(one, other)}-${Math.max(one, other)}`;
+/** A pair as the service names it: the earlier place first, or that of the drive that the report names first. A sentence where it is none. */
+export function pairId(ends: readonly [PlaceName, PlaceName], drives: readonly { name: string; numPlaces: number }[]): string | { obstacle: string } {
+  const orderOf = ({ drive }: PlaceName) => drives.findIndex(({ name }) => name === drive);
+  for (const end of ends) {
+    const of = drives[orderOf(end)];
+    if (!of || !Number.isInteger(end.index) || end.index < 0 || end.index >= of.numPlaces)
+      return { obstacle: `The places of ${end.drive} are numbered 0 to ${(of?.numPlaces ?? 1) - 1}.` };
+  }
+  const [a, b] = [...ends].sort((one, other) => orderOf(one) - orderOf(other) || one.index - other.index) as [PlaceName, PlaceName];
+  if (a.drive !== b.drive) return `${a.drive}:${a.index}~${b.drive}:${b.index}`;
+  return a.index === b.index ? { obstacle: 'Choose two different places.' } : `${a.drive}:${a.index}-${b.index}`;
 }
 
-/** The drive and the places in the name of a loop; a drive's name may hold anything. */
-export function placesOf(id: string): { drive: string; a: number; b: number } | null {
-  const parts = /^(.*):(\d+)-(\d+)$/.exec(id);
-  return parts ? { drive: parts[1]!, a: Number(parts[2]), b: Number(parts[3]) } : null;
+/** The two places in the name of a loop or a link; a drive's name may hold anything. */
+export function placesOf(id: string): { a: PlaceName; b: PlaceName } | null {
+  const loop = /^(.*):(\d+)-(\d+)$/.exec(id);
+  if (loop) return { a: { drive: loop[1]!, index: Number(loop[2]) }, b: { drive: loop[1]!, index: Number(loop[3]) } };
+  const link = /^(.*):(\d+)~(.*):(\d+)$/.exec(id);
+  return link && { a: { drive: link[1]!, index: Number(link[2]) }, b: { drive: link[3]!, index: Number(link[4]) } };
+}
+
+function isLink(id: string): boolean {
+  const places = placesOf(id);
+  return places !== null && places.a.drive !== places.b.drive;
 }
 
 const keyOf = (map: Pick<Schemas['Map'], 'site' | 'version'>) => `parkade.loops.${map.site}.${map.version}`;

@@ -10,6 +10,8 @@ const kDeeds: Record<string, string> = {
   'drive.delete': 'deleted a drive',
   'upload.create': 'began an upload',
   'upload.delete': 'dropped an upload',
+  'upload_set.create': 'began an upload of several files',
+  'upload_set.delete': 'dropped an upload of several files',
   'log.expire': 'deleted a log that the site keeps no longer',
   'rig.put': 'stored a rig',
   'job.create': 'ordered a map',

@@ -43,7 +43,7 @@ class Shortcuts {
 const isPressable = (target: EventTarget | null) => target instanceof Element && target.closest('button, a, summary') !== null;
 
 function isTyping(target: EventTarget | null): boolean {
-  if (target instanceof HTMLInputElement) return !/^(checkbox|radio|button)$/.test(target.type);
+  if (target instanceof HTMLInputElement) return !/^(checkbox|radio|button|range)$/.test(target.type);
   return target instanceof HTMLElement && (target.isContentEditable || /^(TEXTAREA|SELECT)$/.test(target.tagName));
 }
 
@@ -51,6 +51,7 @@ function isTyping(target: EventTarget | null): boolean {
 function isForTarget({ key, target }: KeyboardEvent): boolean {
   if (!(target instanceof Element)) return false;
   if (target.closest('dialog')) return key !== '?';
+  if (target.matches('input[type="range"]') && /^(Arrow|Page|Home$|End$)/.test(key)) return true;
   return (key === 'Enter' || key === ' ') && target.closest('button, a[href], summary, input') !== null;
 }
 

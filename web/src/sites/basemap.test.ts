@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 
-import { basemapIn } from './basemap';
+import { basemapIn, faultOf } from './basemap';
 
 test('a configuration may name tiles, an archive, or nothing', () => {
   expect(basemapIn({ basemap: { tiles: 'https://t.example/{z}/{x}/{y}.png', attribution: '© T' } })).toEqual({
@@ -14,4 +14,10 @@ test('what is wrong in it is said', () => {
   expect(() => basemapIn({ basemap: { tiles: 'https://t.example/' } })).toThrow('{z}');
   expect(() => basemapIn({ basemap: {} })).toThrow('neither');
   expect(() => basemapIn({ basemap: 'https://t.example' })).toThrow('must be an object');
+});
+
+test('why no tile comes is said in words', () => {
+  expect(faultOf({ status: 401 })).toBe('its server answers 401');
+  expect(faultOf({ status: 0 })).toMatch(/does not answer.*CORS/);
+  expect(faultOf({})).toBe('what its server sends is no tile');
 });

@@ -22,6 +22,17 @@ export function basemapIn(configuration: unknown): Basemap | null {
   throw new Error('viewer.json: "basemap" has neither "tiles" nor "pmtiles"');
 }
 
+/** Why tiles did not come, for whoever configured them; MapLibre's errors have the answer's status, 0 without one. */
+export function faultOf(error: { status?: number }): string {
+  if (error.status === undefined) return 'what its server sends is no tile';
+  if (error.status === 0) return 'its server does not answer, or does not let other pages read its tiles (CORS)';
+  return `its server answers ${error.status}`;
+}
+
+/** The words of an archive's own attribution, which is HTML. */
+export const wordsOf = (html: unknown) =>
+  typeof html === 'string' ? (new DOMParser().parseFromString(html, 'text/html').body.textContent ?? '').trim() : '';
+
 /** Asks the service; null where it has no such file. */
 export async function fetchBasemap(): Promise<Basemap | null> {
   const response = await fetch('/viewer.json');

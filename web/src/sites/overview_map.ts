@@ -7,13 +7,14 @@ import maplibregl, { type GeoJSONSource, type LayerSpecification, type StyleSpec
 import { PMTiles, Protocol } from 'pmtiles';
 
 import { fetchCollection, fetchMap, type FreeSpaceProperties } from '../api/map_files';
-import type { Basemap } from './basemap';
+import { faultOf, wordsOf, type Basemap } from './basemap';
 import { degreesText, graticuleOf, stepFor } from './graticule';
 import { boxOf, middleOf, outlineOf, type LonLat } from './site_outline';
 import type { SiteRow } from './site_rows';
 
 const kShapeZoom = 15.5; // from here on free space is told from its box
 const kLabelGap = 6; // [px]
+const kPatience = 1000; // [ms] after which a basemap without any tile is looked at
 const kEmpty: FeatureCollection = { type: 'FeatureCollection', features: [] };
 
 interface Place {
@@ -31,6 +32,7 @@ export class OverviewMap {
   private readonly gridLabels = document.createElement('div');
   private hasFitted = false;
   private isGone = false;
+  private basemapWatch: ReturnType<typeof setInterval> | undefined;
 
   /** `hrefOf` is where a click on a site goes. */
   constructor(
@@ -97,9 +99,11 @@ export class OverviewMap {
     this.map.fitBounds(box, { padding: 70, maxZoom: 18, duration: 0 });
   }
 
-  async addBasemap(basemap: Basemap): Promise<void> {
+  /** `onfault` is told why nothing of it can be drawn, and "" once something is. */
+  async addBasemap(basemap: Basemap, onfault: (fault: string) => void): Promise<void> {
     await this.ready;
-    const attribution = basemap.attribution;
+    if (this.isGone) return;
+    let { attribution } = basemap;
     if (basemap.kind === 'tiles') {
       this.map.addSource('basemap', { type: 'raster', tiles: [basemap.url], tileSize: 256, attribution });
       this.addBelow({ id: 'basemap', type: 'raster', source: 'basemap' });
@@ -109,6 +113,8 @@ export class OverviewMap {
       protocol.add(archive);
       maplibregl.addProtocol('pmtiles', protocol.tile);
       const [header, metadata] = await Promise.all([archive.getHeader(), archive.getMetadata()]);
+      if (this.isGone) return;
+      attribution ||= wordsOf((metadata as { attribution?: unknown } | null)?.attribution);
       const url = `pmtiles://${archive.source.getKey()}`;
       const kVector = 1; // of tileType
       if (header.tileType === kVector) {
@@ -119,8 +125,31 @@ export class OverviewMap {
         this.addBelow({ id: 'basemap', type: 'raster', source: 'basemap' });
       }
     }
+    this.watchBasemap(onfault);
     if (attribution !== '') this.map.addControl(new maplibregl.AttributionControl({ compact: true }), 'bottom-right');
     this.recolor();
+  }
+
+  /** Tiles that are missing (404) are what it does not cover; where none comes at all, something is wrong. */
+  private watchBasemap(onfault: (fault: string) => void): void {
+    let fault = '';
+    let isDrawn = false;
+    this.map.on('error', (event) => {
+      if ((event as { sourceId?: string }).sourceId === 'basemap') fault = faultOf(event.error as { status?: number });
+      else console.error(event.error);
+    });
+    this.map.on('sourcedata', ({ sourceId, tile }: { sourceId?: string; tile?: unknown }) => {
+      if (sourceId !== 'basemap' || !tile || isDrawn) return;
+      isDrawn = true;
+      clearInterval(this.basemapWatch);
+      this.container.dataset['basemap'] = 'drawn';
+      this.map.setLayoutProperty('grid', 'visibility', 'none'); // it stands in for a basemap
+      onfault('');
+    });
+    // No event says that none came.
+    this.basemapWatch = setInterval(() => {
+      if (this.map.areTilesLoaded()) onfault(fault || 'it has no tile of this place');
+    }, kPatience);
   }
 
   /** Takes the colors of the page's theme, which may have changed. */
@@ -144,6 +173,7 @@ export class OverviewMap {
 
   dispose(): void {
     this.isGone = true;
+    clearInterval(this.basemapWatch);
     this.map.remove();
     this.gridLabels.remove();
   }

@@ -87,8 +87,14 @@ export class TimeState {
   stepDegraded(step: 1 | -1): void {
     const begins = this.degraded.map(({ begin }) => begin);
     const next = nextMoment(begins, this.clock.seconds, step);
+    if (next === null) this.clock.pause();
+    else this.jump(next);
+  }
+
+  /** Stops at a time. */
+  jump(seconds: number): void {
     this.clock.pause();
-    if (next !== null) this.goTo(next);
+    this.goTo(seconds);
   }
 
   /** Shows a time, and a window of the plots that has it. */
@@ -108,7 +114,7 @@ export class TimeState {
     this.zoom = null;
     this.hovered = null;
     this.error = '';
-    this.clock.end = 0;
+    this.clock.end = this.reportedEnd(drive); // keys mean something before the plots are there
     try {
       const data = await this.dataOf(drive);
       if (this.clock.drive !== drive) return; // another one was chosen meanwhile
@@ -118,6 +124,11 @@ export class TimeState {
     } catch (error) {
       this.error = error instanceof Error ? error.message : String(error);
     }
+  }
+
+  private reportedEnd(drive: string): number {
+    const name = this.workspace.drives.find(({ id }) => id === drive)?.name;
+    return this.workspace.report.drives.find((reported) => reported.name === name)?.duration ?? 0;
   }
 
   /** The service thins what it answers: of a narrow window it is asked by itself. */
