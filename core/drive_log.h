@@ -43,10 +43,14 @@ struct WheelSample {
 };
 
 struct GnssFix {
+  static constexpr double kUnknownAltitude = 1e5;  ///< [m] sigma of an altitude that nobody knows
+
   Timestamp time;
   double latitude_deg = 0, longitude_deg = 0;
   double altitude = 0;                                       ///< [m] above the WGS84 ellipsoid
   Eigen::Vector3d sigma_enu = Eigen::Vector3d::Constant(1);  ///< [m]
+
+  bool HasAltitude() const { return sigma_enu.z() < kUnknownAltitude; }
 };
 
 using SensorRecord = std::variant<ImuSample, WheelSample, GnssFix, CameraFrame, SemanticFrame>;

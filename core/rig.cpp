@@ -64,6 +64,8 @@ void ValidateRig(const Rig& rig) {
   }
   RequireRigid(rig.body_from_imu, "the mounting of the IMU");
   RequirePositive(rig.imu.update_rate, "update_rate of the IMU");
+  RequirePositive(rig.imu.accelerometer_scale, "accelerometer_scale of the IMU");
+  RequirePositive(rig.imu.gyroscope_scale, "gyroscope_scale of the IMU");
   RequirePositive(rig.imu.accelerometer_noise_density, "accelerometer_noise_density of the IMU");
   RequirePositive(rig.imu.accelerometer_random_walk, "accelerometer_random_walk of the IMU");
   RequirePositive(rig.imu.gyroscope_noise_density, "gyroscope_noise_density of the IMU");

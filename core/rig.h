@@ -34,6 +34,8 @@ struct ImuCalibration {
   double accelerometer_random_walk = 1e-3;    ///< [m/s^3/sqrt(Hz)]
   double gyroscope_noise_density = 1e-3;      ///< [rad/s/sqrt(Hz)]
   double gyroscope_random_walk = 1e-5;        ///< [rad/s^2/sqrt(Hz)]
+  double accelerometer_scale = 1;             ///< [m/s^2] of one unit of the log's accelerations
+  double gyroscope_scale = 1;                 ///< [rad/s] of one unit of the log's rates
 };
 
 /// What vehicle.yaml says about the car.
@@ -42,6 +44,7 @@ struct VehicleCalibration {
   double track = 0;      ///< [m]; 0 = not given
   std::string wheel_topic;
   std::string gnss_topic;
+  double wheel_scale = 1;                          ///< [m/s] of one unit of the log's wheel speeds
   std::optional<Eigen::Vector3d> antenna_in_body;  ///< [m] GNSS antenna
 };
 

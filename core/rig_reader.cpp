@@ -189,7 +189,9 @@ ImuCalibration ReadImu(const YamlNode& root) {
           .accelerometer_noise_density = imu.At("accelerometer_noise_density").Number(),
           .accelerometer_random_walk = imu.At("accelerometer_random_walk").Number(),
           .gyroscope_noise_density = imu.At("gyroscope_noise_density").Number(),
-          .gyroscope_random_walk = imu.At("gyroscope_random_walk").Number()};
+          .gyroscope_random_walk = imu.At("gyroscope_random_walk").Number(),
+          .accelerometer_scale = NumberOr(imu, "accelerometer_scale", 1),
+          .gyroscope_scale = NumberOr(imu, "gyroscope_scale", 1)};
 }
 
 VehicleCalibration ReadVehicle(const YamlNode& vehicle) {
@@ -197,6 +199,7 @@ VehicleCalibration ReadVehicle(const YamlNode& vehicle) {
                                  .track = NumberOr(vehicle, "track", 0),
                                  .wheel_topic = TextOr(vehicle, "wheel_topic", ""),
                                  .gnss_topic = TextOr(vehicle, "gnss_topic", ""),
+                                 .wheel_scale = NumberOr(vehicle, "wheel_scale", 1),
                                  .antenna_in_body = {}};
   if (vehicle.Has("p_body_gnss")) {
     const std::vector<double> antenna = NumbersAt(vehicle, "p_body_gnss", {3});

@@ -91,6 +91,11 @@ void Finish(YAML::Emitter& out, const path& file) {
   WriteFileAtomically(file, std::string_view(out.c_str(), out.size()));
 }
 
+/// Calibration tools know no such key: it is written where it says something.
+void WriteScale(YAML::Emitter& out, const char* key, double scale) {
+  if (scale != 1) out << YAML::Key << key << YAML::Value << scale;
+}
+
 void WriteImu(const ImuCalibration& imu, const path& file) {
   YAML::Emitter out;
   StartMap(out);
@@ -102,6 +107,8 @@ void WriteImu(const ImuCalibration& imu, const path& file) {
       {"gyroscope_noise_density", imu.gyroscope_noise_density},
       {"gyroscope_random_walk", imu.gyroscope_random_walk}};
   for (const auto& [key, value] : numbers) out << YAML::Key << key << YAML::Value << value;
+  WriteScale(out, "accelerometer_scale", imu.accelerometer_scale);
+  WriteScale(out, "gyroscope_scale", imu.gyroscope_scale);
   Finish(out, file);
 }
 
@@ -115,6 +122,7 @@ void WriteVehicle(const Rig& rig, const path& file) {
     out << YAML::Key << "wheel_topic" << YAML::Value << rig.vehicle->wheel_topic;
   if (!rig.vehicle->gnss_topic.empty())
     out << YAML::Key << "gnss_topic" << YAML::Value << rig.vehicle->gnss_topic;
+  WriteScale(out, "wheel_scale", rig.vehicle->wheel_scale);
   if (const auto& antenna = rig.vehicle->antenna_in_body)
     WriteNumbers(out, "p_body_gnss", {antenna->x(), antenna->y(), antenna->z()});
   Finish(out, file);

@@ -15,17 +15,21 @@ OpenedLogs OpenLogs(const std::vector<std::string>& logs, const std::vector<std:
   for (size_t i = 0; i < logs.size(); ++i) {
     const std::string rig = rigs.empty() ? "-" : rigs[std::min(i, rigs.size() - 1)];
     options.rig_folder = rig == "-" ? "" : rig;
+    std::vector<std::unique_ptr<RecordedDrive>> of_log;
     try {
-      drives.push_back(OpenDriveLog(logs[i], options));
+      of_log = OpenDriveLogs(logs[i], options);
     } catch (const Error& error) {
       if (logs.size() == 1 || error.code() != ErrorCode::kInvalidInput) throw;
       unreadable.push_back({std::filesystem::path(logs[i]).stem(), error.what()});
       continue;
     }
-    const DriveSource source{logs[i], options.rig_folder};
-    Require(sources.emplace(drives.back()->name(), source).second, ErrorCode::kInvalidInput,
-            "two of the logs are called '" + drives.back()->name() +
-                "'; a drive's name is that of its file");
+    for (std::unique_ptr<RecordedDrive>& drive : of_log) {
+      const DriveSource source{logs[i], options.rig_folder};
+      Require(
+          sources.emplace(drive->name(), source).second, ErrorCode::kInvalidInput,
+          "two of the logs are called '" + drive->name() + "'; a drive's name is that of its file");
+      drives.push_back(std::move(drive));
+    }
   }
   Require(!drives.empty(), ErrorCode::kInvalidInput,
           "none of the logs can be used; the first: " +

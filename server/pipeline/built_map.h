@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/site_map.h"
+#include "server/ingest/checks/finding.h"
 #include "server/pipeline/drive_diagnostics.h"
 #include "server/pipeline/site_pins.h"
 #include "slam/refinement/refine_drive.h"
@@ -22,6 +23,7 @@ struct DriveOutcome {
   DriveDiagnostics diagnostics;
   std::optional<GnssAlignment> gnss;
   size_t num_keyframes = 0;
+  std::vector<Finding> findings = {};  ///< about the log, which only the trajectory tells
   int num_ground_images = 0;
 };
 

@@ -24,6 +24,7 @@ struct DriveInWork {
   DriveDiagnostics diagnostics;
   std::optional<CalibratedLog> calibrated;  ///< the log as all that follows the refinement sees it
   std::optional<GnssAlignment> gnss;
+  std::string gnss_doubt;  ///< why its fixes are left out: "contradict the trajectory: ..."
   Keyed<std::vector<RigKeyframe>> keyframes;  ///< of several drives; a drive alone needs none
 };
 

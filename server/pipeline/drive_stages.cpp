@@ -10,6 +10,7 @@
 #include "core/sha256.h"
 #include "mapping/networks/builtin_network.h"
 #include "server/map_folder/heights_file.h"
+#include "slam/georeference/gnss_doubts.h"
 #include "slam/loops/close_loops.h"
 #include "slam/sessions/stage_results.h"
 
@@ -101,8 +102,10 @@ void CloseLoops(const BuildContext& context, DriveInWork& drive) {
 }
 
 void Refine(const BuildContext& context, DriveInWork& drive) {
-  const GnssPositions gnss = ReadGnss(*drive.log, context.options.gnss);
+  GnssPositions gnss = ReadGnss(*drive.log, context.options.gnss);
   OdometryResult& odometry = drive.odometry.value;
+  drive.gnss_doubt = DoubtOfFixes(odometry.odom_from_body, gnss.fixes, gnss.options.max_fix_sigma);
+  if (!drive.gnss_doubt.empty()) gnss.fixes.clear();
   const std::string key = KeyOf({drive.loops.key, "refinement", TextOf(context.options.refinement),
                                  TextOf(context.options.gnss), BytesOf(gnss)});
   const StageFile<DriveRefinement> file{

@@ -16,6 +16,7 @@ std::optional<SiteDatum> AlignAllToGnss(const GnssAlignOptions& options,
                                         std::vector<DriveInWork>& drives) {
   std::optional<SiteDatum> datum;
   for (DriveInWork& drive : drives) {
+    if (!drive.gnss_doubt.empty()) continue;
     const GnssPositions gnss = ReadGnss(*drive.log, options);
     drive.gnss = AlignToGnss(drive.refinement.value.odom_from_body, gnss.fixes,
                              gnss.antenna_in_body, options, datum);
@@ -126,11 +127,41 @@ LinkReview LinkReviewFor(const BuildContext& context, const std::vector<DriveInW
   return review;
 }
 
+/// What is wrong with a drive's sensors, as its trajectory tells.
+std::vector<Finding> TrajectoryFindings(const DriveInWork& drive) {
+  std::vector<Finding> findings;
+  if (const std::string& doubt = drive.odometry.value.report.wheels_left_out; !doubt.empty())
+    findings.push_back({"wheels_contradict",
+                        Severity::kWarning,
+                        "",
+                        "the wheels are left out: they " + doubt,
+                        "",
+                        {}});
+  for (const CameraHealth& camera : drive.odometry.value.report.cameras)
+    if (2 * camera.frames_rejected > camera.frames)
+      findings.push_back({"camera_shows_nothing",
+                          Severity::kWarning,
+                          "",
+                          "camera " + camera.name + " shows nothing new in " +
+                              std::to_string(camera.frames_rejected) + " of " +
+                              std::to_string(camera.frames) + " images: they are blank, or repeat",
+                          "look whether it hangs or is covered",
+                          {}});
+  if (!drive.gnss_doubt.empty())
+    findings.push_back({"gnss_contradicts",
+                        Severity::kWarning,
+                        "",
+                        "GNSS is left out: its fixes " + drive.gnss_doubt,
+                        "",
+                        {}});
+  return findings;
+}
+
 DriveOutcome OutcomeOf(DriveInWork& drive) {
   const OdometryResult& odometry = drive.odometry.value;
-  return {drive.index,  odometry.report,          drive.loops.value,
-          drive.review, drive.refinement.value,   std::move(drive.diagnostics),
-          drive.gnss,   odometry.keyframes.size()};
+  return {drive.index,  odometry.report,           drive.loops.value,
+          drive.review, drive.refinement.value,    std::move(drive.diagnostics),
+          drive.gnss,   odometry.keyframes.size(), TrajectoryFindings(drive)};
 }
 
 }  // namespace
@@ -185,7 +216,9 @@ void WarnOfLosses(const std::vector<DriveInWork>& drives, BuiltMap& built) {
   for (const DriveInWork& drive : drives) {
     const DriveLogHealth health = drive.log->health();
     const std::string name = "drive '" + drive.log->name() + "': ";
-    for (const std::string& warning : health.warnings) warnings.push_back(name + warning);
+    for (const std::string& warning : health.Warnings()) warnings.push_back(name + warning);
+    for (const std::string& warning : TextsOf(TrajectoryFindings(drive), Severity::kWarning))
+      warnings.push_back(name + warning);
     if (health.damage.is_truncated)
       warnings.push_back(name + "the log is cut off; what came after is not in the map");
     if (!health.damage.ranges.empty())

@@ -49,7 +49,9 @@ Json LoopsToJson(const DriveOutcome& outcome, const Rig& rig, const std::string&
 
 Json DriveToJson(const SiteDrive& drive, const DriveOutcome& outcome, const RecordedDrive& log,
                  const DriveInputs& inputs) {
-  const nlohmann::json health = HealthToJson(log.health());
+  DriveLogHealth known = log.health();
+  known.findings.insert(known.findings.end(), outcome.findings.begin(), outcome.findings.end());
+  const nlohmann::json health = HealthToJson(known);
   return {{"name", drive.name},
           {"log", InputToJson(inputs.log)},
           {"rig", inputs.rig ? InputToJson(*inputs.rig) : Json(nullptr)},

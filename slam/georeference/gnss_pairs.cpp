@@ -27,7 +27,13 @@ SiteDatum ChooseDatum(const std::vector<GnssFix>& fixes) {
     return (InEarth(fix) - center).norm() < kMaxSiteRadius;
   });
   const GnssFix& fix = first == fixes.end() ? fixes.front() : *first;
-  return {fix.latitude_deg, fix.longitude_deg, fix.altitude};
+  const auto known = std::find_if(fixes.begin(), fixes.end(),
+                                  [](const GnssFix& other) { return other.HasAltitude(); });
+  const bool is_altitude_known = known != fixes.end();
+  const double altitude = fix.HasAltitude()   ? fix.altitude
+                          : is_altitude_known ? known->altitude
+                                              : 0;
+  return {fix.latitude_deg, fix.longitude_deg, altitude, is_altitude_known};
 }
 
 GnssPairs MakeGnssPairs(const Trajectory& trajectory, const std::vector<GnssFix>& fixes,

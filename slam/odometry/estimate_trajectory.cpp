@@ -9,6 +9,7 @@
 #include "core/log.h"
 #include "core/parallel.h"
 #include "slam/odometry/trajectory_estimator.h"
+#include "slam/odometry/wheel_agreement.h"
 
 namespace parkade {
 namespace {
@@ -219,11 +220,9 @@ void Feed(TrackedBatch& batch, TrajectoryEstimator& estimator) {
   for (; next < batch.frames.size(); ++next) estimator.Add(std::move(batch.frames[next]));
 }
 
-}  // namespace
-
-OdometryResult EstimateTrajectory(const DriveLog& log, const OdometryOptions& options,
-                                  const ProgressCallback& progress) {
-  options.Validate();
+/// One pass over the log, with the wheels or without.
+OdometryResult EstimateOnce(const DriveLog& log, const OdometryOptions& options,
+                            const ProgressCallback& progress) {
   const auto begin = std::chrono::steady_clock::now();
   const Rig& rig = log.rig();
   FrontEnd front_end(rig, options);
@@ -264,6 +263,59 @@ OdometryResult EstimateTrajectory(const DriveLog& log, const OdometryOptions& op
           " length=" + std::to_string(result.report.length) +
           " seconds=" + std::to_string(result.report.seconds));
   return result;
+}
+
+std::vector<WheelSample> ReadWheels(const DriveLog& log) {
+  ReadOptions only_wheels;
+  only_wheels.imu = only_wheels.gnss = only_wheels.images = false;
+  const std::unique_ptr<RecordStream> stream = log.Read(only_wheels);
+  std::vector<WheelSample> wheels;
+  while (const std::optional<SensorRecord> record = stream->Next())
+    if (const auto* sample = std::get_if<WheelSample>(&*record)) wheels.push_back(*sample);
+  return wheels;
+}
+
+/// The trajectory with wheels; nothing where it takes none, or where no start was found with them.
+std::optional<OdometryResult> EstimateWithWheels(const DriveLog& log,
+                                                 const OdometryOptions& options,
+                                                 const ProgressCallback& progress,
+                                                 std::optional<Error>& error) {
+  try {
+    return EstimateOnce(log, options, progress);
+  } catch (const Error& thrown) {
+    if (thrown.code() != ErrorCode::kInvalidInput) throw;
+    error = thrown;
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+OdometryResult EstimateTrajectory(const DriveLog& log, const OdometryOptions& options,
+                                  const ProgressCallback& progress) {
+  options.Validate();
+  if (!options.use_wheels) return EstimateOnce(log, options, progress);
+  std::optional<Error> error;
+  std::optional<OdometryResult> with = EstimateWithWheels(log, options, progress, error);
+  if (with && !with->report.has_wheels) return std::move(*with);
+  const std::vector<WheelSample> wheels = ReadWheels(log);
+  if (with && CompareWheels(with->odom_from_body, wheels).Fits()) return std::move(*with);
+  if (!with && wheels.empty()) throw Error(*error);
+
+  // Wheels that contradict the rest spoil what they are fused with: only without them can be said
+  // who is wrong.
+  OdometryOptions no_wheels = options;
+  no_wheels.use_wheels = false;
+  std::optional<Error> second_error;
+  std::optional<OdometryResult> without =
+      EstimateWithWheels(log, no_wheels, progress, second_error);
+  if (!without && with) return std::move(*with);
+  if (!without) throw Error(*error);
+  const WheelAgreement agreement = CompareWheels(without->odom_from_body, wheels);
+  if (with && agreement.Fits()) return std::move(*with);
+  without->report.wheels_left_out =
+      agreement.Fits() ? "prevent a start that succeeds without them" : agreement.Doubt();
+  return std::move(*without);
 }
 
 }  // namespace parkade

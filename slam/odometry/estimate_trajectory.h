@@ -15,6 +15,8 @@ using ProgressCallback = std::function<void(double fraction)>;
 /// per camera (in parallel, and beside the estimator), IMU, wheels where there
 /// are any, one fixed-lag smoother. No loop closure.
 ///
+/// Wheels that contradict the rest (CompareWheels) are left out, as the report says.
+///
 /// The trajectory covers the span of the IMU data. Survives lost cameras,
 /// darkness, gaps and bad records, and reports them. Throws Error{kInvalidInput}
 /// with one sentence when the log cannot be mapped: no IMU, no camera and no wheels, too

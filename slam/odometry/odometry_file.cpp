@@ -14,7 +14,7 @@ namespace parkade {
 namespace {
 
 constexpr std::string_view kMagic = "parkade odometry";
-constexpr std::uint32_t kVersion = 2;  // of the layout: other versions are tracked again
+constexpr std::uint32_t kVersion = 3;  // of the layout: other versions are tracked again
 
 /// FNV-1a over 64 bits, of bytes that come in pieces: finds damage, not malice.
 class Checksum {
@@ -59,7 +59,10 @@ std::uint64_t FingerprintOf(const Rig& rig) {
   bytes += BytesOf(Eigen::Vector4d(imu.accelerometer_noise_density, imu.accelerometer_random_walk,
                                    imu.gyroscope_noise_density, imu.gyroscope_random_walk));
   add_pose(rig.body_from_imu);
-  if (rig.vehicle) bytes += BytesOf(Eigen::Vector2d(rig.vehicle->wheelbase, rig.vehicle->track));
+  bytes += BytesOf(Eigen::Vector2d(imu.accelerometer_scale, imu.gyroscope_scale));
+  if (rig.vehicle)
+    bytes += BytesOf(
+        Eigen::Vector3d(rig.vehicle->wheelbase, rig.vehicle->track, rig.vehicle->wheel_scale));
   Checksum checksum;
   checksum.Add(bytes);
   return checksum.sum();

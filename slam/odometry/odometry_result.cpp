@@ -60,6 +60,7 @@ nlohmann::json ToJson(const OdometryReport& report) {
           {"still_seconds", report.still_seconds},
           {"has_wheels", report.has_wheels},
           {"wheel_scale", report.wheel_scale},
+          {"wheels_left_out", report.wheels_left_out},
           {"gyroscope_bias", ToJson(report.gyroscope_bias)},
           {"accelerometer_bias", ToJson(report.accelerometer_bias)}};
 }

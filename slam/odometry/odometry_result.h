@@ -67,7 +67,8 @@ struct OdometryReport {
   double length = 0;         ///< [m]
   double still_seconds = 0;  ///< [s] during which the car stood
   bool has_wheels = false;
-  double wheel_scale = 1;  ///< true speed / reported speed, estimated
+  double wheel_scale = 1;       ///< true speed / reported speed, estimated
+  std::string wheels_left_out;  ///< why: "are in km/h, as it seems: ..."; empty where they are not
   Eigen::Vector3d gyroscope_bias = Eigen::Vector3d::Zero();      ///< [rad/s] at the end
   Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();  ///< [m/s^2] at the end
 };

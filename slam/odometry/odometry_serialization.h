@@ -39,7 +39,7 @@ void Serialize(A& archive, OdometryReport& report) {
           report.calibration, report.degraded, report.nodes, report.solves,
           report.mean_solve_seconds, report.max_solve_seconds, report.mean_bearings, report.seconds,
           report.length, report.still_seconds, report.has_wheels, report.wheel_scale,
-          report.gyroscope_bias, report.accelerometer_bias);
+          report.wheels_left_out, report.gyroscope_bias, report.accelerometer_bias);
 }
 
 }  // namespace parkade

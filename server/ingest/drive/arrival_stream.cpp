@@ -22,10 +22,13 @@ bool IsPlausible(const Arrival& arrival) {
 }  // namespace
 
 ArrivalStream::ArrivalStream(const MessageSource& source, const std::vector<SensorStream>& streams,
-                             std::vector<bool> wanted, Filter filter)
+                             std::vector<bool> wanted, Filter filter, int stretch)
     : streams_(streams),
       wanted_(std::move(wanted)),
       filter_(std::move(filter)),
+      stretch_(stretch),
+      num_taken_(streams.size(), 0),
+      run_(streams.size(), 0),
       stream_of_topic_(source.topics().size(), -1) {
   std::vector<bool> wanted_topics(source.topics().size(), false);
   for (std::size_t i = 0; i < streams_.size(); ++i) {
@@ -57,10 +60,21 @@ std::optional<Arrival> ArrivalStream::Next() {
   return arrival;
 }
 
+ClockRun ArrivalStream::NextRun(std::size_t stream) {
+  const std::vector<ClockRun>& clock = streams_[stream].clock;
+  const std::uint64_t message = num_taken_[stream]++;
+  if (clock.empty()) return {};
+  while (run_[stream] + 1 < clock.size() && clock[run_[stream] + 1].begin <= message)
+    ++run_[stream];
+  return clock[run_[stream]];
+}
+
 void ArrivalStream::Take(RawMessage message) {
   const int stream = stream_of_topic_[static_cast<std::size_t>(message.topic)];
   if (stream < 0) return;
   StreamHealth& health = health_[static_cast<std::size_t>(stream)];
+  const ClockRun run = NextRun(static_cast<std::size_t>(stream));
+  if (run.stretch != stretch_) return;
   std::optional<Arrival> arrival;
   try {
     arrival = Decode(std::move(message), stream);
@@ -69,6 +83,7 @@ void ArrivalStream::Take(RawMessage message) {
     return;
   }
   if (!arrival) return;
+  if (IsTime(arrival->time)) arrival->time = arrival->time + run.correction;
   if (!IsTime(arrival->time)) {
     ++health.Dropped(DropReason::kOffClock);
   } else if (!IsPlausible(*arrival)) {
@@ -92,12 +107,15 @@ std::optional<Arrival> ArrivalStream::Decode(RawMessage message, int index) {
   const SensorStream& stream = streams_[static_cast<std::size_t>(index)];
   switch (stream.kind) {
     case StreamKind::kImu: {
-      const ImuSample sample = ReadImuSample(message, stream);
+      ImuSample sample = ReadImuSample(message, stream);
+      sample.angular_velocity *= stream.rate_scale;
+      sample.linear_acceleration *= stream.acceleration_scale;
       return Arrival{sample.time, index, sample};
     }
     case StreamKind::kWheels: {
-      const std::optional<WheelSample> sample = wheel_reader_.Read(message, stream);
+      std::optional<WheelSample> sample = wheel_reader_.Read(message, stream);
       if (!sample) return std::nullopt;
+      sample->forward_speed *= stream.speed_scale;
       return Arrival{sample->time, index, *sample};
     }
     case StreamKind::kGnss: {

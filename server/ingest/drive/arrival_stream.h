@@ -23,8 +23,9 @@ class ArrivalStream {
 
   /// Delivers only streams with `wanted[stream]`, and only those of their arrivals that `filter`
   /// (where set) accepts. `source` and `streams` must outlive this.
+  /// \param stretch  of the log, by the streams' clocks: only what lies in it is passed on
   ArrivalStream(const MessageSource& source, const std::vector<SensorStream>& streams,
-                std::vector<bool> wanted, Filter filter);
+                std::vector<bool> wanted, Filter filter, int stretch = 0);
 
   std::optional<Arrival> Next();
 
@@ -36,6 +37,8 @@ class ArrivalStream {
   bool HasWheelsWithOnlyPoses() const { return wheel_reader_.HasOnlyPoses(); }
 
  private:
+  /// The run of the stream's clock that its next message belongs to.
+  ClockRun NextRun(std::size_t stream);
   void Take(RawMessage message);
   void Release(std::vector<Arrival> arrivals);
   std::optional<Arrival> Decode(RawMessage message, int stream);
@@ -43,7 +46,10 @@ class ArrivalStream {
   const std::vector<SensorStream>& streams_;
   std::vector<bool> wanted_;
   Filter filter_;
-  std::vector<int> stream_of_topic_;  ///< -1: none
+  int stretch_;
+  std::vector<std::uint64_t> num_taken_;  ///< per stream
+  std::vector<std::size_t> run_;          ///< per stream, of its clock
+  std::vector<int> stream_of_topic_;      ///< -1: none
   std::unique_ptr<MessageStream> messages_;
   std::vector<TimestampFilter> guards_;
   std::vector<StreamHealth> health_;

@@ -31,6 +31,13 @@ void StreamHealth::Include(Timestamp time) {
   span.Include(time);
 }
 
+std::vector<std::string> DriveLogHealth::Warnings(bool with_notes) const {
+  std::vector<std::string> texts = TextsOf(findings, Severity::kWarning);
+  if (with_notes)
+    for (std::string& note : TextsOf(findings, Severity::kNote)) texts.push_back(std::move(note));
+  return texts;
+}
+
 nlohmann::json HealthToJson(const DriveLogHealth& health) {
   nlohmann::json streams = nlohmann::json::array();
   for (const StreamHealth& stream : health.streams) {
@@ -62,7 +69,8 @@ nlohmann::json HealthToJson(const DriveLogHealth& health) {
           {"lost", lost},
           {"num_lost_messages", health.damage.num_lost_messages},
           {"is_truncated", health.damage.is_truncated},
-          {"warnings", health.warnings}};
+          {"findings", ToJson(health.findings)},
+          {"warnings", health.Warnings()}};
 }
 
 }  // namespace parkade

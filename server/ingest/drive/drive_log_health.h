@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/timestamp.h"
+#include "server/ingest/checks/finding.h"
 #include "server/ingest/containers/raw_message.h"
 
 namespace parkade {
@@ -33,8 +34,9 @@ struct StreamHealth {
   std::string role;  ///< "imu", "wheels", "gnss", a camera's name, or that with "/semantic"
   std::uint64_t num_delivered = 0;
   std::array<std::uint64_t, kNumDropReasons> num_dropped{};
-  TimeSpan span;           ///< of the records on the drive's clock
-  double longest_gap = 0;  ///< [s] between two of them
+  double off_clock_by = 0;  ///< [s] how far the first that was off the IMU's clock lay ahead of it
+  TimeSpan span;            ///< of the records on the drive's clock
+  double longest_gap = 0;   ///< [s] between two of them
   Timestamp longest_gap_begin;
 
   std::uint64_t& Dropped(DropReason reason) {
@@ -52,8 +54,11 @@ struct StreamHealth {
 /// State of a drive log as its last passes found it.
 struct DriveLogHealth {
   std::vector<StreamHealth> streams;
-  DamageReport damage;                ///< of the container
-  std::vector<std::string> warnings;  ///< one sentence each: streams that are missing or not used
+  DamageReport damage;            ///< of the container
+  std::vector<Finding> findings;  ///< none that makes it unusable
+
+  /// The findings in words, but for mere notes where `with_notes` is false.
+  std::vector<std::string> Warnings(bool with_notes = true) const;
 };
 
 nlohmann::json HealthToJson(const DriveLogHealth& health);

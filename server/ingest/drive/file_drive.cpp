@@ -78,7 +78,7 @@ class RecordedStream : public RecordStream {
         return !is_image || wants(stream.camera, arrival.time);
       };
     auto arrivals = std::make_unique<ArrivalStream>(*drive.source, drive.survey.streams, wanted_,
-                                                    std::move(filter));
+                                                    std::move(filter), drive.survey.stretch);
     auto merger = std::make_unique<ArrivalMerger>(std::move(arrivals), drive.survey.reorder_window);
     const auto decode = [&drive, grayscale = options.grayscale](Arrival arrival) {
       return DecodeArrival(drive, std::move(arrival), grayscale);

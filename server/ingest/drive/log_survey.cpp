@@ -1,9 +1,12 @@
 #include "server/ingest/drive/log_survey.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "core/error.h"
+#include "server/ingest/checks/log_checks.h"
 #include "server/ingest/drive/arrival_stream.h"
+#include "server/ingest/drive/stream_findings.h"
 #include "server/ingest/messages/image_decoding.h"
 
 namespace parkade {
@@ -17,49 +20,100 @@ class ImageSurvey {
   void Include(const RawMessage& message, const SensorStream& stream, const RigCamera& camera) {
     if (const std::optional<int> bits = SampleBits(message, stream))
       sample_bits_ = std::max(sample_bits_, *bits);
-    if (is_size_checked_ || stream.kind != StreamKind::kImage) return;
+    if (is_size_checked_ || num_tried_ == kMaxTries || stream.kind != StreamKind::kImage) return;
+    ++num_tried_;
     const ImageRequest request{.width = camera.model.width(), .height = camera.model.height()};
     const DecodedImage decoded = DecodeMessageImage(message, stream, request);
     Require(decoded.fault != ImageFault::kWrongSize, ErrorCode::kInvalidInput,
             "the rig does not fit the log: camera " + camera.name + ": " + decoded.what);
     is_size_checked_ = decoded.fault == ImageFault::kNone;
+    fault_ = is_size_checked_ ? "" : decoded.what;
   }
 
   int sample_bits() const { return sample_bits_ > 0 ? sample_bits_ : 16; }
+  /// Why no image can be decoded; empty where one can, or none came.
+  const std::string& fault() const { return fault_; }
 
  private:
+  static constexpr int kMaxTries = 400;  // a whole minute of damage
+
   bool is_size_checked_ = false;
+  int num_tried_ = 0;
   int sample_bits_ = 0;
+  std::string fault_;
 };
 
-void RequireUsable(const LogSurvey& survey) {
-  std::uint64_t num_images = 0;
-  std::uint64_t num_dropped_images = 0;
-  for (std::size_t i = 0; i < survey.streams.size(); ++i) {
-    const StreamHealth& health = survey.health[i];
-    const StreamKind kind = survey.streams[i].kind;
-    Require(kind != StreamKind::kImu || health.num_delivered > 0, ErrorCode::kInvalidInput,
-            "the IMU topic " + health.topic + " has no usable sample");
-    if (kind != StreamKind::kImage) continue;
-    num_images += health.num_delivered;
-    num_dropped_images += health.NumDropped();
+void IncludeImage(const EncodedImage& image, Timestamp time, const SensorStream& stream,
+                  const RigCamera& camera, CameraChecks& checks) {
+  const DecodedImage decoded = DecodeMessageImage(image.message, stream,
+                                                  {.width = camera.model.width(),
+                                                   .height = camera.model.height(),
+                                                   .grayscale = true,
+                                                   .sample_bits = stream.sample_bits});
+  if (decoded.fault == ImageFault::kNone) checks.IncludeImage(stream.camera, time, decoded.image);
+}
+
+/// Takes streams out of the survey.
+void LeaveOut(const std::function<bool(const SensorStream&)>& is_meant, LogSurvey& survey) {
+  for (std::size_t i = survey.streams.size(); i-- > 0;) {
+    if (!is_meant(survey.streams[i])) continue;
+    survey.streams.erase(survey.streams.begin() + static_cast<std::ptrdiff_t>(i));
+    survey.health.erase(survey.health.begin() + static_cast<std::ptrdiff_t>(i));
   }
-  Require(num_images > 0, ErrorCode::kInvalidInput,
-          num_dropped_images == 0
-              ? "the log has no image of any camera of the rig"
-              : "no image of the log can be used: all " + std::to_string(num_dropped_images) +
-                    " are damaged or their stamps are not on the IMU's clock");
+}
+
+/// The index of the camera whose images have the topic.
+int CameraOf(const std::string& topic, const std::vector<SensorStream>& streams) {
+  const auto found = std::find_if(streams.begin(), streams.end(), [&](const SensorStream& stream) {
+    return stream.kind == StreamKind::kImage && stream.topic_name == topic;
+  });
+  return found->camera;
+}
+
+void Add(const std::vector<Finding>& findings, LogSurvey& survey) {
+  survey.findings.insert(survey.findings.end(), findings.begin(), findings.end());
+}
+
+/// \param has_only_poses  wheels say where they are, not how fast
+CheckedTopics TopicsOf(const std::vector<SensorStream>& streams, bool has_only_poses) {
+  CheckedTopics topics;
+  for (const SensorStream& stream : streams) {
+    if (stream.kind == StreamKind::kImage) {
+      topics.cameras.resize(
+          std::max(topics.cameras.size(), static_cast<std::size_t>(stream.camera) + 1));
+      topics.cameras[static_cast<std::size_t>(stream.camera)] = stream.topic_name;
+    }
+    if (stream.kind == StreamKind::kImu) topics.imu = stream.topic_name;
+    if (stream.kind == StreamKind::kWheels && !has_only_poses) topics.wheels = stream.topic_name;
+    if (stream.kind == StreamKind::kGnss) topics.gnss = stream.topic_name;
+  }
+  return topics;
 }
 
 }  // namespace
 
-LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> streams,
-                    const Rig& rig) {
+bool ClocksMayLeap(const LogSurvey& survey) {
+  constexpr double kMaxGap = 2;             // [s] of the IMU
+  constexpr std::uint64_t kMaxStrange = 5;  // messages of a stream
+  for (std::size_t i = 0; i < survey.streams.size(); ++i) {
+    const StreamHealth& health = survey.health[i];
+    if (survey.streams[i].kind == StreamKind::kImu && health.longest_gap > kMaxGap) return true;
+    if (health.Dropped(DropReason::kBackwardStamp) + health.Dropped(DropReason::kOffClock) >
+        kMaxStrange)
+      return true;
+  }
+  return false;
+}
+
+LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> streams, const Rig& rig,
+                    int stretch) {
   LogSurvey survey;
+  survey.stretch = stretch;
   survey.streams = std::move(streams);
   ArrivalStream arrivals(source, survey.streams, std::vector<bool>(survey.streams.size(), true),
-                         nullptr);
+                         nullptr, stretch);
   std::vector<ImageSurvey> images(survey.streams.size());
+  LogChecks checks(rig);
   std::optional<Timestamp> front;
   while (const std::optional<Arrival> arrival = arrivals.Next()) {
     const auto index = static_cast<std::size_t>(arrival->stream);
@@ -69,8 +123,17 @@ LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> strea
     if (lag <= kMaxReorderWindow) survey.reorder_window = std::max(survey.reorder_window, lag);
     if (const auto* image = std::get_if<EncodedImage>(&arrival->content)) {
       const SensorStream& stream = survey.streams[index];
-      images[index].Include(image->message, stream,
-                            rig.cameras[static_cast<std::size_t>(stream.camera)]);
+      const RigCamera& camera = rig.cameras[static_cast<std::size_t>(stream.camera)];
+      images[index].Include(image->message, stream, camera);
+      if (stream.kind == StreamKind::kImage &&
+          checks.cameras().WantsImage(stream.camera, arrival->time))
+        IncludeImage(*image, arrival->time, stream, camera, checks.cameras());
+    } else if (const auto* imu = std::get_if<ImuSample>(&arrival->content)) {
+      checks.Include(*imu);
+    } else if (const auto* wheels = std::get_if<WheelSample>(&arrival->content)) {
+      checks.Include(*wheels);
+    } else if (const auto* fix = std::get_if<GnssFix>(&arrival->content)) {
+      checks.Include(*fix);
     }
   }
   for (std::size_t i = 0; i < survey.streams.size(); ++i) {
@@ -78,14 +141,33 @@ LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> strea
     stream.sample_bits = images[i].sample_bits();
     if (stream.kind != StreamKind::kWheels || !arrivals.HasWheelsWithOnlyPoses()) continue;
     stream.is_speed_from_pose = true;
-    survey.warnings.push_back("the twist of " + stream.topic_name +
-                              " is always zero: speed is taken from its pose");
+    survey.findings.push_back(
+        {"wheel_speed_from_pose",
+         Severity::kNote,
+         stream.topic_name,
+         "the twist of " + stream.topic_name + " is always zero: speed is taken from its pose",
+         "",
+         {}});
     // A speed from two poses belongs midway between them, later than the survey saw it come.
     survey.reorder_window = std::min(kMaxReorderWindow, survey.reorder_window + 0.25);
   }
   survey.health = arrivals.health();
   survey.damage = arrivals.damage();
-  RequireUsable(survey);
+  std::vector<std::string> undecodable;
+  for (const ImageSurvey& image : images) undecodable.push_back(image.fault());
+  Add(FindLosses(survey.streams, survey.health, undecodable), survey);
+  const std::vector<Finding> found =
+      checks.Findings(TopicsOf(survey.streams, arrivals.HasWheelsWithOnlyPoses()));
+  Add(found, survey);
+  for (const Finding& finding : found) {
+    if (finding.name == kWheelsAreZero || finding.name == kGnssIsFrozen)
+      LeaveOut([&](const SensorStream& stream) { return stream.topic_name == finding.topic; },
+               survey);
+    if (finding.name == kCameraContradicts)
+      LeaveOut([camera = CameraOf(finding.topic, survey.streams)](
+                   const SensorStream& stream) { return stream.camera == camera; },
+               survey);
+  }
   return survey;
 }
 

@@ -19,12 +19,17 @@ struct LogSurvey {
       streams;  ///< as given, with is_speed_from_pose and sample_bits filled in
   std::vector<StreamHealth> health;
   DamageReport damage;
-  std::vector<std::string> warnings;
+  std::vector<Finding> findings;
+  int stretch = 0;  ///< of the log, by the streams' clocks
 };
 
-/// Reads the log once without decoding images, but for the first of each camera. Throws
-/// Error{kInvalidInput} when no IMU sample or no image is on the drive's clock, or when a camera's
-/// images are not of the calibrated size.
-LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> streams, const Rig& rig);
+/// Reads the log once without decoding images, but for the first of each camera, and
+/// cross-examines it. Streams that cannot be believed are left out, with a finding. Throws
+/// Error{kInvalidInput} when a camera's images are not of the calibrated size.
+LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> streams, const Rig& rig,
+                    int stretch = 0);
+
+/// Whether the stamps of some stream leap, so that its clock has to be looked at.
+bool ClocksMayLeap(const LogSurvey& survey);
 
 }  // namespace parkade

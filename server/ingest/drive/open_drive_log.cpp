@@ -5,6 +5,7 @@
 #include "core/parallel.h"
 #include "server/ingest/containers/euroc_source.h"
 #include "server/ingest/containers/open_log_source.h"
+#include "server/ingest/drive/clock_plan.h"
 #include "server/ingest/drive/euroc_rig.h"
 #include "server/ingest/drive/file_drive.h"
 #include "server/ingest/drive/log_survey.h"
@@ -59,6 +60,35 @@ int DecodeThreads(const OpenLogOptions& options) {
                                         : std::clamp(NumThreads() - 1, 1, 4);
 }
 
+void Append(const std::vector<Finding>& more, std::vector<Finding>& findings) {
+  findings.insert(findings.end(), more.begin(), more.end());
+}
+
+/// The surveys of the log's stretches, the longest first; what is wrong with its clocks is a
+/// finding of that.
+std::vector<LogSurvey> SurveyStretches(const MessageSource& source,
+                                       std::vector<SensorStream> streams, const Rig& rig) {
+  std::vector<LogSurvey> surveys;
+  surveys.push_back(SurveyLog(source, streams, rig));
+  if (!ClocksMayLeap(surveys.front())) return surveys;
+  const ClockPlan plan = PlanClocks(streams, ReadStamps(source, streams));
+  if (plan.findings.empty()) return surveys;
+  for (std::size_t i = 0; i < streams.size(); ++i) streams[i].clock = plan.runs[i];
+  surveys.clear();
+  for (int stretch = 0; stretch < plan.num_stretches; ++stretch)
+    surveys.push_back(SurveyLog(source, streams, rig, stretch));
+  std::stable_sort(surveys.begin(), surveys.end(), [](const LogSurvey& a, const LogSurvey& b) {
+    return a.span.Seconds() > b.span.Seconds();
+  });
+  surveys.front().findings.insert(surveys.front().findings.begin(), plan.findings.begin(),
+                                  plan.findings.end());
+  return surveys;
+}
+
+bool IsUsable(const LogSurvey& survey) {
+  return TextsOf(survey.findings, Severity::kUnusable).empty();
+}
+
 }  // namespace
 
 Rig FindRig(const MessageSource& source, const fs::path& rig_folder) {
@@ -68,26 +98,45 @@ Rig FindRig(const MessageSource& source, const fs::path& rig_folder) {
   return DiscoverRig(source);
 }
 
+std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
+    std::shared_ptr<const MessageSource> source, const fs::path& name,
+    const OpenLogOptions& options) {
+  const Rig rig = WithCameras(FindRig(*source, options.rig_folder), options.cameras);
+  StreamSelection selection = SelectStreams(*source, rig, options.use_wheels, options.use_gnss);
+  std::vector<LogSurvey> surveys = SurveyStretches(*source, std::move(selection.streams), rig);
+  RequireUsable(surveys.front().findings);
+  std::vector<std::unique_ptr<RecordedDrive>> drives;
+  for (LogSurvey& survey : surveys) {
+    if (!IsUsable(survey)) continue;
+    auto parts = std::make_shared<RecordedDriveParts>();
+    parts->source = source;
+    parts->rig = rig;
+    parts->name = DriveName(name);
+    if (!drives.empty()) parts->name += "_part" + std::to_string(drives.size() + 1);
+    parts->num_decode_threads = DecodeThreads(options);
+    parts->health = {survey.health, survey.damage, {}};
+    if (drives.empty()) Append(selection.findings, parts->health.findings);
+    Append(survey.findings, parts->health.findings);
+    parts->survey = std::move(survey);
+    for (const std::string& warning : parts->health.Warnings())
+      if (options.warn) LogWarning(parts->name + ": " + warning);
+    drives.push_back(std::make_unique<FileDrive>(std::move(parts)));
+  }
+  return drives;
+}
+
+std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(const fs::path& log,
+                                                          const OpenLogOptions& options) {
+  return OpenDriveLogs(OpenLogSource(log, options.scratch_folder), log, options);
+}
+
 std::unique_ptr<RecordedDrive> OpenDriveLog(const fs::path& log, const OpenLogOptions& options) {
   return OpenDriveLog(OpenLogSource(log, options.scratch_folder), log, options);
 }
 
 std::unique_ptr<RecordedDrive> OpenDriveLog(std::shared_ptr<const MessageSource> source,
                                             const fs::path& name, const OpenLogOptions& options) {
-  auto parts = std::make_shared<RecordedDriveParts>();
-  parts->source = std::move(source);
-  parts->rig = WithCameras(FindRig(*parts->source, options.rig_folder), options.cameras);
-  parts->name = DriveName(name);
-  parts->num_decode_threads = DecodeThreads(options);
-  StreamSelection selection =
-      SelectStreams(*parts->source, parts->rig, options.use_wheels, options.use_gnss);
-  parts->survey = SurveyLog(*parts->source, std::move(selection.streams), parts->rig);
-  parts->health = {parts->survey.health, parts->survey.damage, std::move(selection.warnings)};
-  for (const std::string& warning : parts->survey.warnings)
-    parts->health.warnings.push_back(warning);
-  for (const std::string& warning : parts->health.warnings)
-    if (options.warn) LogWarning(parts->name + ": " + warning);
-  return std::make_unique<FileDrive>(std::move(parts));
+  return std::move(OpenDriveLogs(std::move(source), name, options).front());
 }
 
 }  // namespace parkade

@@ -23,9 +23,24 @@ struct OpenLogOptions {
   int num_decode_threads = 0;  ///< per pass; 0: one less than core/parallel uses, between 1 and 4
 };
 
-/// Opens a recorded drive: a ROS 1 bag, MCAP, rosbag2 (file or folder), EuRoC folder, or an archive
-/// of one, recognized by content. Reads the log once without decoding images. An archive is
-/// unpacked into a temporary folder that is gone once the drive and its passes are.
+/// Opens the drives of a log: one, or several where its clocks leap or it pauses: what lies between
+/// two leaps is a drive of its own. The longest comes first and has the log's name, others that
+/// with
+/// "_part2", "_part3" by time behind it.
+///
+/// Throws as OpenDriveLog.
+std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(const std::filesystem::path& log,
+                                                          const OpenLogOptions& options = {});
+
+/// The same for a log that is open already; `name` may be a file name.
+std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
+    std::shared_ptr<const MessageSource> source, const std::filesystem::path& name,
+    const OpenLogOptions& options);
+
+/// Opens a recorded drive, the longest of the log: a ROS 1 bag, MCAP, rosbag2 (file or folder),
+/// EuRoC folder, or an archive of one, recognized by content. Reads the log once without decoding
+/// images. An archive is unpacked into a temporary folder that is gone once the drive and its
+/// passes are.
 ///
 /// Throws Error{kInvalidInput} (kNotFound where there is no such file) with one sentence that names
 /// what is wrong: not a log, no IMU, no images, an uncalibrated camera, a rig that does not fit.

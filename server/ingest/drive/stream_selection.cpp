@@ -53,6 +53,10 @@ class Selector {
   bool is_euroc_ = false;
 };
 
+Finding Note(std::string name, std::string topic, std::string sentence) {
+  return {std::move(name), Severity::kNote, std::move(topic), std::move(sentence), "", {}};
+}
+
 bool IsImuType(const std::string& type) { return type == "sensor_msgs/Imu"; }
 bool IsGnssType(const std::string& type) { return type == "sensor_msgs/NavSatFix"; }
 
@@ -77,19 +81,21 @@ int FindImu(const Selector& log, const Rig& rig) {
 /// A wheel or GNSS topic, which a drive can do without.
 template <typename IsType>
 int FindOptional(const Selector& log, const std::string& wanted, const std::string& what,
-                 const IsType& is_type, std::vector<std::string>& warnings) {
+                 const IsType& is_type, std::vector<Finding>& findings) {
   const std::vector<std::string> candidates = log.TopicsOf(is_type);
   if (!wanted.empty()) {
     const int found = log.Find(wanted, is_type);
     if (found < 0 && !log.is_euroc())
-      warnings.push_back("the rig's " + what + " topic " + wanted +
-                         " is not in the log, which has " + ListTopics(candidates));
+      findings.push_back(Note("topic_missing", wanted,
+                              "the rig's " + what + " topic " + wanted +
+                                  " is not in the log, which has " + ListTopics(candidates)));
     return found;
   }
   if (candidates.size() == 1) return log.Find(candidates.front(), is_type);
   if (candidates.size() > 1)
-    warnings.push_back("several " + what + " topics (" + ListTopics(candidates) +
-                       "), none is used: name one in vehicle.yaml");
+    findings.push_back(Note("topic_ambiguous", "",
+                            "several " + what + " topics (" + ListTopics(candidates) +
+                                "), none is used: name one in vehicle.yaml"));
   return -1;
 }
 
@@ -145,7 +151,8 @@ void AddCameras(const Selector& log, const Rig& rig, StreamSelection& selection)
           "none of the rig's cameras is in the log: the rig has " + ListTopics(missing) +
               ", the log " + ListTopics(candidates));
   for (const std::string& camera : missing)
-    selection.warnings.push_back("the log has no images of camera " + camera);
+    selection.findings.push_back(
+        Note("camera_missing", camera, "the log has no images of camera " + camera));
   std::move(masks.begin(), masks.end(), std::back_inserter(selection.streams));
 }
 
@@ -171,19 +178,24 @@ StreamSelection SelectStreams(const MessageSource& source, const Rig& rig, bool 
   const Selector log(source);
   StreamSelection selection;
   selection.streams.push_back(log.Make(StreamKind::kImu, FindImu(log, rig), "imu"));
+  selection.streams.back().acceleration_scale = rig.imu.accelerometer_scale;
+  selection.streams.back().rate_scale = rig.imu.gyroscope_scale;
   const VehicleCalibration vehicle = rig.vehicle.value_or(VehicleCalibration{});
   if (use_wheels) {
     const int topic = FindOptional(log, log.is_euroc() ? "odom0" : vehicle.wheel_topic, "wheel",
-                                   IsWheelType, selection.warnings);
-    if (topic >= 0 && rig.vehicle)
+                                   IsWheelType, selection.findings);
+    if (topic >= 0 && rig.vehicle) {
       selection.streams.push_back(log.Make(StreamKind::kWheels, topic, "wheels"));
-    else if (topic >= 0)
-      selection.warnings.emplace_back(
-          "wheel odometry is not used: no vehicle.yaml says where the body frame is");
+      selection.streams.back().speed_scale = vehicle.wheel_scale;
+    } else if (topic >= 0) {
+      selection.findings.push_back(
+          Note("wheels_without_body", "",
+               "wheel odometry is not used: no vehicle.yaml says where the body frame is"));
+    }
   }
   if (use_gnss) {
     const int topic = FindOptional(log, log.is_euroc() ? "gnss0" : vehicle.gnss_topic, "GNSS",
-                                   IsGnssType, selection.warnings);
+                                   IsGnssType, selection.findings);
     if (topic >= 0) selection.streams.push_back(log.Make(StreamKind::kGnss, topic, "gnss"));
   }
   AddCameras(log, rig, selection);

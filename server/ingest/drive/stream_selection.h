@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/rig.h"
+#include "server/ingest/checks/finding.h"
 #include "server/ingest/containers/raw_message.h"
 #include "server/ingest/messages/sensor_stream.h"
 
@@ -12,7 +13,7 @@ namespace parkade {
 
 struct StreamSelection {
   std::vector<SensorStream> streams;  ///< IMU first, then wheels, GNSS, cameras, masks
-  std::vector<std::string> warnings;  ///< one sentence each
+  std::vector<Finding> findings;      ///< mere notes
 };
 
 /// Finds the rig's sensors among the topics of a log.
@@ -20,7 +21,7 @@ struct StreamSelection {
 /// Topics match with or without a leading slash and a trailing "/compressed"; in EuRoC folders
 /// camera `camN` is `camN`, and the others are imu0, odom0, gnss0. A wheel or GNSS topic that the
 /// rig does not name is taken when the log has exactly one of that type; if there are several, none
-/// is taken, with a warning. Wheels need a vehicle.yaml (or an EuRoC odom0), which says where the
+/// is taken, with a note. Wheels need a vehicle.yaml (or an EuRoC odom0), which says where the
 /// body frame is. `<camera>/semantic` may be the camera's name, its topic or its topic's folder.
 /// Throws Error{kInvalidInput} naming the topics when there is no IMU, or none of the cameras.
 StreamSelection SelectStreams(const MessageSource& source, const Rig& rig, bool use_wheels,

@@ -41,6 +41,7 @@ std::vector<Arrival> TimestampFilter::Push(Arrival arrival,
     return released;
   }
   if (!follows_held) DropHeld(health);
+  if (imu_front && (held_.empty() || held_by_ == 0)) held_by_ = arrival.time - *imu_front;
   held_.push_back(std::move(arrival));
   if (held_.size() < kMaxHeld) return released;
   if (is_imu_) {
@@ -48,8 +49,7 @@ std::vector<Arrival> TimestampFilter::Push(Arrival arrival,
     held_.clear();
     num_challenges_ = 0;
   } else {
-    ++health.Dropped(DropReason::kOffClock);
-    held_.pop_front();
+    DropOneHeld(health);
   }
   return released;
 }
@@ -77,9 +77,14 @@ void TimestampFilter::Accept(Arrival arrival, StreamHealth& health,
   released.push_back(std::move(arrival));
 }
 
+void TimestampFilter::DropOneHeld(StreamHealth& health) {
+  if (health.off_clock_by == 0) health.off_clock_by = held_by_;
+  ++health.Dropped(DropReason::kOffClock);
+  held_.pop_front();
+}
+
 void TimestampFilter::DropHeld(StreamHealth& health) {
-  health.Dropped(DropReason::kOffClock) += held_.size();
-  held_.clear();
+  while (!held_.empty()) DropOneHeld(health);
   num_challenges_ = 0;
 }
 

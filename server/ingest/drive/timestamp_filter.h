@@ -46,10 +46,12 @@ class TimestampFilter {
                    std::vector<Arrival>& released);
   void Accept(Arrival arrival, StreamHealth& health, std::vector<Arrival>& released);
   void DropHeld(StreamHealth& health);
+  void DropOneHeld(StreamHealth& health);
 
   bool is_imu_;
   std::optional<Timestamp> last_;
   std::deque<Arrival> held_;  ///< at most kMaxHeld, in order of time
+  double held_by_ = 0;        ///< [s] ahead of the IMU, of the first that was held
   std::size_t num_challenges_ =
       0;  ///< records that contradict the held ones; as many as there are of these outvote them
 };

@@ -134,7 +134,8 @@ LogState StateOf(const LogInspection& inspection, bool is_rig_given) {
   const bool has_images = NumGood(inspection, IsImageType) > 0;
   if (!has_imu || !has_images || (is_rig_given && !inspection.missing.empty()))
     return LogState::kUnusable;
-  bool is_clean = inspection.damage.IsClean();
+  bool is_clean =
+      inspection.damage.IsClean() && TextsOf(inspection.findings, Severity::kWarning).empty();
   for (const TopicInspection& topic : inspection.topics)
     is_clean = is_clean && topic.NumLost() == 0;
   return is_clean ? LogState::kClean : LogState::kLossy;
@@ -180,7 +181,7 @@ LogInspection InspectLog(const fs::path& log, const fs::path& rig_folder,
     const auto drive = OpenDriveLog(source, inspection.name, options);
     inspection.rig = drive->rig();
     inspection.span = drive->span();
-    inspection.warnings = drive->health().warnings;
+    inspection.findings = drive->health().findings;
   } catch (const Error& error) {
     inspection.missing.push_back(error.what());
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/rig.h"
+#include "server/ingest/checks/finding.h"
 #include "server/ingest/containers/raw_message.h"
 #include "server/ingest/inspection/topic_inspection.h"
 
@@ -26,8 +27,8 @@ struct LogInspection {
   std::vector<TopicInspection> topics;
   DamageReport damage;  ///< of the container
   std::optional<Rig> rig;
-  std::vector<std::string> missing;   ///< one sentence each, on what prevents a map
-  std::vector<std::string> warnings;  ///< one sentence each, on what a map would have to do without
+  std::vector<std::string> missing;  ///< one sentence each, on what prevents a map
+  std::vector<Finding> findings;     ///< what else is wrong, and what a map has to do without
   LogState state = LogState::kClean;
 
   /// The exit status of `parkade inspect`: 0 clean, 3 lossy, 1 unusable.

@@ -156,6 +156,13 @@ nlohmann::json ToJson(const Rig& rig) {
       {"imu", rig.imu.topic}, {"has_body_frame", rig.vehicle.has_value()}, {"cameras", cameras}};
 }
 
+/// All findings in words, as older programs read them.
+std::vector<std::string> WarningsOf(const LogInspection& log) {
+  std::vector<std::string> texts = TextsOf(log.findings, Severity::kWarning);
+  for (std::string& note : TextsOf(log.findings, Severity::kNote)) texts.push_back(std::move(note));
+  return texts;
+}
+
 }  // namespace
 
 std::string InspectionToText(const LogInspection& log) {
@@ -177,7 +184,9 @@ std::string InspectionToText(const LogInspection& log) {
     text += "\n";
   }
   if (log.rig) text += RigText(*log.rig);
-  for (const std::string& warning : log.warnings) text += "note: " + Printable(warning) + "\n";
+  for (const Severity severity : {Severity::kWarning, Severity::kNote})
+    for (const std::string& finding : TextsOf(log.findings, severity))
+      text += std::string(NameOf(severity)) + ": " + Printable(finding) + "\n";
   for (const std::string& missing : log.missing)
     text += "missing for a map: " + Printable(missing) + "\n";
   return text + "state: " + NameOf(log.state) + "\n";
@@ -194,7 +203,8 @@ nlohmann::json InspectionToJson(const LogInspection& log) {
                          {"damage", ToJson(log.damage)},
                          {"rig", nullptr},
                          {"missing", log.missing},
-                         {"warnings", log.warnings},
+                         {"findings", ToJson(log.findings)},
+                         {"warnings", WarningsOf(log)},
                          {"state", NameOf(log.state)},
                          {"exit_status", log.ExitStatus()}};
   if (!log.span.IsEmpty()) {

@@ -24,11 +24,25 @@ std::vector<double> ReadEurocNumbers(const RawMessage& message, std::size_t min_
   return numbers;
 }
 
+/// Where receivers without a position say that they are: in the Gulf of Guinea.
+bool IsNullIsland(double latitude_deg, double longitude_deg) {
+  constexpr double kNear = 1e-6;  // [deg] a tenth of a meter
+  return std::abs(latitude_deg) < kNear && std::abs(longitude_deg) < kNear;
+}
+
+/// A fix without altitude still says where the car is.
+GnssFix WithSureAltitude(GnssFix fix) {
+  if (std::isfinite(fix.altitude)) return fix;
+  fix.altitude = 0;
+  fix.sigma_enu.z() = GnssFix::kUnknownAltitude;
+  return fix;
+}
+
 GnssFix ReadEurocFix(const RawMessage& message, Timestamp time) {
   const std::vector<double> numbers = ReadEurocNumbers(message, 3);
   GnssFix fix{time, numbers[0], numbers[1], numbers[2], kUnknownSigma};
   if (numbers.size() >= 6) fix.sigma_enu = {numbers[3], numbers[4], numbers[5]};
-  return fix;
+  return WithSureAltitude(fix);
 }
 
 Eigen::Vector3d SigmaOf(const NavSatMessage& message) {
@@ -63,8 +77,8 @@ std::optional<GnssFix> ReadGnssFix(const RawMessage& message, const SensorStream
   const Timestamp time = StampOf(message, stream.encoding);
   if (stream.encoding == MessageEncoding::kEuroc) return ReadEurocFix(message, time);
   const NavSatMessage fix = DecodeNavSat(message.data, stream.encoding);
-  if (fix.status < 0) return std::nullopt;
-  return GnssFix{time, fix.latitude_deg, fix.longitude_deg, fix.altitude, SigmaOf(fix)};
+  if (fix.status < 0 || IsNullIsland(fix.latitude_deg, fix.longitude_deg)) return std::nullopt;
+  return WithSureAltitude({time, fix.latitude_deg, fix.longitude_deg, fix.altitude, SigmaOf(fix)});
 }
 
 OdometryMessage ReadOdometry(const RawMessage& message, const SensorStream& stream) {

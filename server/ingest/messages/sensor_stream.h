@@ -1,12 +1,21 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "server/ingest/containers/raw_message.h"
 
 namespace parkade {
 
 enum class StreamKind { kImu, kWheels, kGnss, kImage, kSemantic };
+
+/// Messages of a stream in a row whose clock was not set meanwhile.
+struct ClockRun {
+  std::uint64_t begin = 0;  ///< first message of the stream, in the order of the log
+  double correction = 0;    ///< [s] added to its stamps
+  int stretch = 0;          ///< of the log that it is part of; -1: one too short for a drive
+};
 
 /// One topic of a log with its role in the drive.
 struct SensorStream {
@@ -17,7 +26,12 @@ struct SensorStream {
   std::string topic_name;
   std::string type;  ///< ROS 1 spelling
   MessageEncoding encoding = MessageEncoding::kRos1;
-  double time_shift = 0;  ///< [s] added to each stamp
+  double time_shift = 0;        ///< [s] added to each stamp
+  std::vector<ClockRun> clock;  ///< in the order of the log; empty: one run, as it is
+  // Units: what one of the log's is worth.
+  double acceleration_scale = 1;  ///< [m/s^2]
+  double rate_scale = 1;          ///< [rad/s]
+  double speed_scale = 1;         ///< [m/s]
   /// Wheels whose twist is zero over the whole drive while the pose moves: speed from differences
   /// of the pose.
   bool is_speed_from_pose = false;

@@ -296,7 +296,7 @@ TEST(EurocDrive, RealClipsComeOutWhole) {
     std::size_t num_dropped = 0;
     for (const StreamHealth& stream : log->health().streams) num_dropped += stream.NumDropped();
     EXPECT_EQ(num_dropped, clip.num_missing) << clip.name;
-    EXPECT_TRUE(log->health().warnings.empty());
+    EXPECT_TRUE(log->health().Warnings().empty());
   }
 }
 

@@ -63,7 +63,7 @@ TEST_P(RosbagDrive, EveryRecordComesOutAsWritten) {
   EXPECT_EQ(num_wheels, 151);
   EXPECT_EQ(num_fixes, 16);
   EXPECT_EQ(num_images, 122);
-  EXPECT_TRUE(drive->health().warnings.empty());
+  EXPECT_TRUE(drive->health().Warnings().empty());
 }
 
 TEST_P(RosbagDrive, ItsRigIsFoundAlongTheChainOfTransforms) {

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <vector>
+
+#include "core/rig.h"
+#include "core/timestamp.h"
+
+namespace parkade {
+
+/// Two successive images of a camera, and where points of the first are in the second.
+struct ImagePair {
+  Timestamp first, second;
+  std::vector<Eigen::Vector2d> from, to;  ///< [px]
+};
+
+/// Takes pairs of images out of the stream of one camera, all along the drive and not many.
+class ImagePairs {
+ public:
+  explicit ImagePairs(const RigCamera& camera) : camera_(&camera) {}
+
+  /// Whether an image is to be decoded and given to Include.
+  bool Wants(Timestamp time) const;
+  /// \param image  CV_8UC1 of the calibrated size
+  void Include(Timestamp time, const cv::Mat& image);
+
+  const std::vector<ImagePair>& pairs() const { return pairs_; }
+
+ private:
+  void Thin();
+
+  const RigCamera* camera_;
+  std::vector<ImagePair> pairs_;
+  std::optional<Timestamp> first_;  ///< of a pair that waits for its second image
+  cv::Mat first_image_;
+  std::optional<Timestamp> next_;  ///< from when on another pair is wanted
+  double interval_ = 1;            ///< [s] between pairs
+};
+
+}  // namespace parkade

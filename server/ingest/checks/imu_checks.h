@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/drive_log.h"
+#include "core/rig.h"
+#include "server/ingest/checks/finding.h"
+#include "server/ingest/checks/speed_history.h"
+
+namespace parkade {
+
+/// What an IMU says over a drive, in a few numbers per tenth of a second.
+class ImuChecks {
+ public:
+  explicit ImuChecks(const Rig& rig) : rig_(rig) {}
+
+  void Include(const ImuSample& sample);
+
+  /// Units, gravity, mounting, halves that are missing, saturation and resolution.
+  /// \param wheels  what wheels said meanwhile; may be empty
+  std::vector<Finding> Findings(const std::string& topic, const SpeedHistory& wheels) const;
+
+ private:
+  /// The mean of some samples.
+  struct Bin {
+    Timestamp begin;
+    int count = 0;
+    Eigen::Vector3f rate = Eigen::Vector3f::Zero();          ///< [rad/s] in imu, a sum at first
+    Eigen::Vector3f acceleration = Eigen::Vector3f::Zero();  ///< [m/s^2] alike
+  };
+  /// One of the six readings.
+  struct Axis {
+    double largest = 0;
+    std::uint64_t num_largest = 0;      ///< readings that are as large
+    std::vector<float> first_readings;  ///< to see how finely they are spaced
+  };
+
+  std::optional<Finding> CheckHalves() const;
+  std::optional<Finding> CheckAccelerations() const;
+  std::optional<Finding> CheckGravity(const SpeedHistory& wheels) const;
+  std::optional<Finding> CheckRates(const SpeedHistory& wheels) const;
+  /// Whether the car's turns press toward the side that they should.
+  std::optional<Finding> CheckHeading(const SpeedHistory& wheels) const;
+  void CheckReadings(std::vector<Finding>& findings) const;
+  /// Gyroscope's yaw rate over that of the wheels; nothing where the car hardly turned.
+  std::optional<double> YawRatio(const SpeedHistory& wheels) const;
+
+  const Rig& rig_;
+  std::vector<Bin> bins_;
+  std::array<Axis, 6> axes_;  ///< rates, accelerations
+  std::uint64_t num_samples_ = 0, num_without_rate_ = 0, num_without_acceleration_ = 0;
+  std::uint64_t num_lone_without_rate_ = 0;      ///< between two that have one
+  std::array<bool, 2> had_rate_ = {true, true};  ///< the two samples before
+};
+
+}  // namespace parkade

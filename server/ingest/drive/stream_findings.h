@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "server/ingest/checks/finding.h"
+#include "server/ingest/drive/drive_log_health.h"
+#include "server/ingest/messages/sensor_stream.h"
+
+namespace parkade {
+
+/// What the streams' losses amount to: a stream of which nothing is left, or much is missing; and
+/// whether a map can be made from the rest.
+///
+/// \param streams, health  alike in number and order
+/// \param undecodable      per stream: why none of its images can be decoded; empty where one can
+std::vector<Finding> FindLosses(const std::vector<SensorStream>& streams,
+                                const std::vector<StreamHealth>& health,
+                                const std::vector<std::string>& undecodable);
+
+}  // namespace parkade

@@ -1,0 +1,138 @@
+#include "slam/odometry/wheel_agreement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "core/statistics.h"
+
+namespace parkade {
+namespace {
+
+constexpr double kMoving = 0.5;    // [m/s]
+constexpr int kMinMoving = 20;     // samples
+constexpr double kMaxScale = 1.2;  // and one over it
+constexpr double kMaxError = 0.15;
+constexpr double kSureCorrelation = 0.97;
+constexpr double kMaxDelay = 0.6;   // [s]
+constexpr double kMinDelay = 0.08;  // [s] less costs little
+constexpr double kDelayStep = 0.02;
+
+/// [m/s] of the body along its x axis at a time, by the two states around it.
+std::optional<double> ForwardSpeed(const std::vector<TrajectoryState>& states, Timestamp time,
+                                   size_t& hint) {
+  while (hint + 1 < states.size() && states[hint + 1].time <= time) ++hint;
+  if (hint + 1 >= states.size() || time < states[hint].time) return std::nullopt;
+  const TrajectoryState &before = states[hint], &after = states[hint + 1];
+  const double step = after.time - before.time;
+  if (step > 0.3) return std::nullopt;
+  const double share = (time - before.time) / step;
+  const auto forward = [](const TrajectoryState& state) {
+    return (state.world_from_body.rotation.conjugate() * state.velocity_in_world).x();
+  };
+  return (1 - share) * forward(before) + share * forward(after);
+}
+
+double CorrelationOf(const std::vector<double>& x, const std::vector<double>& y) {
+  double xx = 0, xy = 0, yy = 0;
+  for (size_t i = 0; i < x.size(); ++i) {
+    xx += x[i] * x[i];
+    xy += x[i] * y[i];
+    yy += y[i] * y[i];
+  }
+  return xx > 0 && yy > 0 ? xy / std::sqrt(xx * yy) : 0;
+}
+
+bool IsNear(double value, double target) { return std::abs(value / target - 1) < 0.12; }
+
+std::string Number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof(text), "%.4g", value);
+  return text;
+}
+
+/// With the wheels' stamps taken to be late by so much.
+WheelAgreement CompareAt(double delay, const Trajectory& odom_from_body,
+                         const std::vector<WheelSample>& wheels) {
+  std::vector<double> reported, actual, ratios;
+  size_t hint = 0;
+  for (const WheelSample& sample : wheels) {
+    const std::optional<double> speed =
+        ForwardSpeed(odom_from_body.states(), sample.time - delay, hint);
+    if (!speed || std::max(std::abs(*speed), std::abs(sample.forward_speed)) < kMoving) continue;
+    reported.push_back(sample.forward_speed);
+    actual.push_back(*speed);
+    if (sample.forward_speed != 0) ratios.push_back(*speed / sample.forward_speed);
+  }
+  WheelAgreement agreement;
+  agreement.num_moving = static_cast<int>(reported.size());
+  if (reported.empty()) return agreement;
+  agreement.delay = delay;
+  agreement.scale = ratios.empty() ? 0 : Median(ratios);
+  agreement.correlation = CorrelationOf(reported, actual);
+  std::vector<double> errors, wheel_speeds, speeds;
+  for (size_t i = 0; i < reported.size(); ++i) {
+    errors.push_back(std::abs(agreement.scale * reported[i] - actual[i]));
+    wheel_speeds.push_back(std::abs(reported[i]));
+    speeds.push_back(std::abs(actual[i]));
+  }
+  agreement.wheel_speed = Median(wheel_speeds);
+  agreement.speed = Median(speeds);
+  agreement.error = agreement.speed > 0 ? Median(errors) / agreement.speed : 1;
+  return agreement;
+}
+
+}  // namespace
+
+bool WheelAgreement::Fits() const {
+  return num_moving < kMinMoving ||
+         (scale < kMaxScale && scale > 1 / kMaxScale && error < kMaxError && delay == 0);
+}
+
+std::string WheelAgreement::Doubt() const {
+  if (wheel_speed < 0.05 * speed)
+    return "say " + Number(wheel_speed) + " m/s while the car drives " + Number(speed) +
+           " m/s: check the encoders, and that the speed is in twist.linear.x of the body frame";
+  if (delay != 0 && scale < kMaxScale && scale > 1 / kMaxScale)
+    return "are stamped " + Number(std::abs(delay)) + " s too " + (delay > 0 ? "late" : "early") +
+           ", as it seems: stamp them when they are measured";
+  const std::string measured = "the car's speed is " + Number(scale) + " times theirs";
+  if (std::abs(correlation) < kSureCorrelation)
+    return "contradict the motion that cameras and IMU show, by " +
+           std::to_string(std::lround(100 * error)) +
+           " % of the speed: check that twist.linear.x is along the car, in m/s and stamped when "
+           "it "
+           "was measured";
+  const auto remedy = [](double value) {
+    return ": set wheel_scale: " + Number(value) + " in vehicle.yaml";
+  };
+  struct Unit {
+    double scale;
+    const char* looks_like;
+  };
+  static constexpr Unit kUnits[] = {{-1, "have the sign reversed"},
+                                    {1 / 3.6, "are in km/h"},
+                                    {0.44704, "are in miles per hour"},
+                                    {1e-2, "are in cm/s"},
+                                    {1e-3, "are in mm/s"}};
+  for (const Unit& unit : kUnits)
+    if (IsNear(scale, unit.scale))
+      return std::string(unit.looks_like) + ", as it seems: " + measured + remedy(unit.scale);
+  return "have another scale: " + measured + remedy(scale);
+}
+
+WheelAgreement CompareWheels(const Trajectory& odom_from_body,
+                             const std::vector<WheelSample>& wheels) {
+  WheelAgreement agreement = CompareAt(0, odom_from_body, wheels);
+  if (agreement.num_moving < kMinMoving) return agreement;
+  // A car that drives evenly shows no delay: only what makes a difference is one.
+  WheelAgreement best = agreement;
+  for (double delay = -kMaxDelay; delay <= kMaxDelay; delay += kDelayStep) {
+    const WheelAgreement delayed = CompareAt(delay, odom_from_body, wheels);
+    if (delayed.error < best.error) best = delayed;
+  }
+  if (std::abs(best.delay) > kMinDelay && agreement.error > 2 * best.error + 0.01) return best;
+  return agreement;
+}
+
+}  // namespace parkade
