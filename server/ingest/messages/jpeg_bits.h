@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -28,13 +29,21 @@ class JpegBits {
 
   bool IsOverrun() const { return Position() > 8 * data_.size(); }
 
-  /// True when less than a byte is left, and all its bits are alike.
+  /// True when the bits that are left of the byte are alike, and only bytes of zero follow it, with
+  /// which some cameras fill up their packets. Where these begin earlier, the data are lost.
   bool IsAtPaddedEnd() {
     const std::size_t size = 8 * data_.size(), position = Position();
-    if (position > size || size - position >= 8) return false;
-    const auto left = static_cast<int>(size - position);
+    if (position > size) return false;
+    const auto left = static_cast<int>((size - position) % 8);
     const unsigned padding = Peek16() >> (16 - left);
-    return left == 0 || padding == 0 || padding == (1U << left) - 1;
+    if (padding != 0 && padding != (1U << left) - 1) return false;
+    constexpr std::size_t kMostZeros = 4;  // that a coder may well end with
+    const auto filling = data_.last((size - position) / 8);
+    const auto coded = data_.first(data_.size() - filling.size());
+    const auto is_zero = [](std::uint8_t byte) { return byte == 0; };
+    const auto end_of_code = coded.last(std::min(coded.size(), kMostZeros));
+    return filling.empty() || (std::all_of(filling.begin(), filling.end(), is_zero) &&
+                               !std::all_of(end_of_code.begin(), end_of_code.end(), is_zero));
   }
 
  private:

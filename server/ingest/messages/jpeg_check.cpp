@@ -17,7 +17,8 @@ class JpegChecker {
  public:
   explicit JpegChecker(std::span<const std::uint8_t> data) : data_(data) {}
 
-  void Run() {
+  /// False for a file of a kind that is not checked. Throws JpegDamage.
+  bool Run() {
     std::size_t position = 2;  // behind SOI
     while (true) {
       position = FindMarker(position);
@@ -32,10 +33,11 @@ class JpegChecker {
                 "it ends inside a marker segment");
       JpegSegment segment(data_.subspan(position + 2, length - 2));
       position += length;
-      if (!header_.Read(marker, segment)) return;
+      if (!header_.Read(marker, segment)) return false;
       if (marker == kJpegScan) position = ReadScan(position);
     }
     CheckJpeg(header_.num_scans > 0, "it holds no image data");
+    return true;
   }
 
  private:
@@ -171,13 +173,12 @@ class JpegChecker {
 
 }  // namespace
 
-std::optional<std::string> FindJpegDamage(std::span<const std::uint8_t> data) {
+JpegFinding FindJpegDamage(std::span<const std::uint8_t> data) {
   try {
-    JpegChecker(data).Run();
+    return {.is_judged = JpegChecker(data).Run(), .damage = {}};
   } catch (const JpegDamage& damage) {
-    return damage.what;
+    return {.is_judged = true, .damage = damage.what};
   }
-  return std::nullopt;
 }
 
 }  // namespace parkade

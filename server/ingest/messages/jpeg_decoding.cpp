@@ -4,6 +4,8 @@
 #include <cstdio>
 // jpeglib.h needs FILE and size_t from cstdio before it.
 #include <jpeglib.h>
+// jerror.h needs jpeglib.h before it.
+#include <jerror.h>
 
 #include "server/ingest/messages/jpeg_check.h"
 
@@ -15,6 +17,7 @@ struct JpegErrors {
   jpeg_error_mgr base;  // the first member, so that libjpeg's pointer is ours, too
   std::jmp_buf jump;
   char message[JMSG_LENGTH_MAX];
+  bool has_stray_bytes;
 };
 
 JpegErrors* ErrorsOf(j_common_ptr codec) { return reinterpret_cast<JpegErrors*>(codec->err); }
@@ -26,6 +29,10 @@ JpegErrors* ErrorsOf(j_common_ptr codec) { return reinterpret_cast<JpegErrors*>(
 
 void OnMessage(j_common_ptr codec, int level) {
   if (level >= 0) return;
+  if (codec->err->msg_code == JWRN_EXTRANEOUS_DATA) {
+    ErrorsOf(codec)->has_stray_bytes = true;
+    return;
+  }
   if (codec->err->num_warnings++ == 0) codec->err->format_message(codec, ErrorsOf(codec)->message);
 }
 
@@ -61,6 +68,8 @@ class JpegReader {
     return codec_.num_components == 1 || codec_.num_components == 3;
   }
   long num_warnings() const { return errors_.base.num_warnings; }
+  /// Whether bytes before a marker belong to nothing.
+  bool has_stray_bytes() const { return errors_.has_stray_bytes; }
   const char* message() const { return errors_.message; }
 
   /// `image` has the size of the header and one or three channels.
@@ -97,7 +106,9 @@ DecodedImage DecodeJpeg(std::span<const std::uint8_t> data, const ImageRequest& 
                        reader.is_colored() && !request.grayscale ? CV_8UC3 : CV_8UC1);
   if (!reader.ReadPixels(decoded.image) || reader.num_warnings() > 0)
     return damaged(reader.message());
-  if (const std::optional<std::string> damage = FindJpegDamage(data)) return damaged(*damage);
+  const JpegFinding finding = FindJpegDamage(data);
+  if (finding.damage) return damaged(*finding.damage);
+  if (reader.has_stray_bytes() && !finding.is_judged) return damaged("stray bytes before a marker");
   return decoded;
 }
 

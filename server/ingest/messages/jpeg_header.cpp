@@ -1,6 +1,9 @@
 #include "server/ingest/messages/jpeg_header.h"
 
 #include <algorithm>
+#include <cstdio>
+// jpeglib.h needs FILE and size_t from cstdio before it.
+#include <jpeglib.h>
 
 namespace parkade {
 namespace {
@@ -8,9 +11,41 @@ namespace {
 constexpr std::uint8_t kSof0 = 0xc0, kSof1 = 0xc1, kSof15 = 0xcf, kDht = 0xc4, kJpg = 0xc8,
                        kDac = 0xcc, kDqt = 0xdb, kDri = 0xdd;
 
+/// The tables of luma and chroma, for DC and AC.
+struct StandardTables {
+  std::array<JpegHuffmanTable, 2> dc, ac;
+};
+
+/// Those that libjpeg encodes with unless told otherwise.
+StandardTables MakeStandardTables() {
+  jpeg_error_mgr errors{};
+  jpeg_compress_struct codec{};
+  codec.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&codec);
+  codec.in_color_space = JCS_GRAYSCALE;
+  codec.input_components = 1;
+  jpeg_set_defaults(&codec);
+  const auto build = [](const JHUFF_TBL& table, JpegHuffmanTable& built) {
+    built.Build(std::span(table.bits).subspan<1, 16>(), table.huffval);
+  };
+  StandardTables tables;
+  for (std::size_t i = 0; i < 2; ++i) {
+    build(*codec.dc_huff_tbl_ptrs[i], tables.dc[i]);
+    build(*codec.ac_huff_tbl_ptrs[i], tables.ac[i]);
+  }
+  jpeg_destroy_compress(&codec);
+  return tables;
+}
+
 }  // namespace
 
 void ReportJpegDamage(const char* what) { throw JpegDamage{what}; }
+
+JpegHeader::JpegHeader() {
+  static const StandardTables standard = MakeStandardTables();
+  std::copy(standard.dc.begin(), standard.dc.end(), dc_tables.begin());
+  std::copy(standard.ac.begin(), standard.ac.end(), ac_tables.begin());
+}
 
 bool JpegHeader::Read(std::uint8_t marker, JpegSegment& segment) {
   if (marker == kDht) {
@@ -23,7 +58,6 @@ bool JpegHeader::Read(std::uint8_t marker, JpegSegment& segment) {
     return ReadFrame(segment);
   } else if (marker == kJpegScan) {
     CheckJpeg(!components_.empty(), "a scan before its frame");
-    if (!has_huffman_tables_) return false;  // motion JPEG, which leaves out the standard tables
     ReadScanHeader(segment);
   } else if (marker >= kSof0 && marker <= kSof15 && marker != kJpg && marker != kDac) {
     return false;  // progressive, lossless or arithmetic
@@ -32,7 +66,6 @@ bool JpegHeader::Read(std::uint8_t marker, JpegSegment& segment) {
 }
 
 void JpegHeader::ReadHuffmanTables(JpegSegment& segment) {
-  has_huffman_tables_ = true;
   while (!segment.IsEmpty()) {
     const int kind = segment.Byte();
     CheckJpeg((kind & 0xef) < 4, "a wrong Huffman table");

@@ -55,6 +55,9 @@ struct JpegComponent {
 /// The tables, the frame and the header of the latest scan of a baseline JPEG.
 class JpegHeader {
  public:
+  /// Begins with the Huffman tables that motion JPEG leaves out. ITU-T T.81, K.3.
+  JpegHeader();
+
   /// Reads one marker segment. False when the file is of a kind that is not checked. Throws
   /// JpegDamage.
   bool Read(std::uint8_t marker, JpegSegment& segment);
@@ -72,7 +75,6 @@ class JpegHeader {
   void ReadScanHeader(JpegSegment& segment);
 
   std::vector<JpegComponent> components_;
-  bool has_huffman_tables_ = false;
 };
 
 }  // namespace parkade

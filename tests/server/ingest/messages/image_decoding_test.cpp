@@ -234,6 +234,87 @@ TEST(CompressedImages, DamagedJpegsAreNoticed) {
   RecordProperty("noticed", num_noticed);
 }
 
+/// Where the coded data begin, and where a marker follows them: that of a restart or EOI.
+std::vector<std::size_t> EdgesOfScan(const Bytes& jpeg) {
+  std::size_t at = 2;
+  while (jpeg[at + 1] != 0xda) at += 2 + static_cast<std::size_t>(jpeg[at + 2] << 8 | jpeg[at + 3]);
+  std::vector<std::size_t> edges = {at + 2 +
+                                    static_cast<std::size_t>(jpeg[at + 2] << 8 | jpeg[at + 3])};
+  for (at = edges.front(); at + 1 < jpeg.size(); ++at)
+    if (jpeg[at] == 0xff && jpeg[at + 1] != 0) edges.push_back(at);
+  return edges;
+}
+
+/// The file with `stuffing` before each marker that follows coded data.
+Bytes Stuffed(Bytes jpeg, const Bytes& stuffing) {
+  const std::vector<std::size_t> edges = EdgesOfScan(jpeg);
+  for (std::size_t i = edges.size() - 1; i > 0; --i)
+    jpeg.insert(jpeg.begin() + static_cast<std::ptrdiff_t>(edges[i]), stuffing.begin(),
+                stuffing.end());
+  return jpeg;
+}
+
+/// The file without its Huffman tables, as cameras send motion JPEG.
+Bytes WithoutHuffmanTables(Bytes jpeg) {
+  for (std::size_t at = 2; jpeg[at + 1] != 0xda;) {
+    const auto begin = jpeg.begin() + static_cast<std::ptrdiff_t>(at);
+    const int size = 2 + (jpeg[at + 2] << 8 | jpeg[at + 3]);
+    if (jpeg[at + 1] == 0xc4)
+      jpeg.erase(begin, begin + size);
+    else
+      at += static_cast<std::size_t>(size);
+  }
+  return jpeg;
+}
+
+/// The files of one scene: plain, with restart markers, and each without Huffman tables.
+std::vector<Bytes> WebcamJpegs(int seed) {
+  std::vector<Bytes> files;
+  for (const int interval : {0, 1, 7}) {
+    files.push_back(Encode(Scene(seed), ".jpg", {cv::IMWRITE_JPEG_RST_INTERVAL, interval}));
+    files.push_back(WithoutHuffmanTables(files.back()));
+  }
+  return files;
+}
+
+TEST(CompressedImages, ZerosBeforeAMarkerAreNoDamage) {
+  for (int seed = 0; seed < 5; ++seed)
+    for (const Bytes& whole : WebcamJpegs(seed)) {
+      const cv::Mat image = DecodeCompressed(whole, kColor).image;
+      ASSERT_FALSE(image.empty());
+      for (const std::size_t count : {1, 2, 3, 4, 7, 8, 9, 500}) {
+        const DecodedImage decoded = DecodeCompressed(Stuffed(whole, Bytes(count, 0)), kColor);
+
+        EXPECT_EQ(decoded.fault, ImageFault::kNone) << count << " " << decoded.what;
+        EXPECT_EQ(MaxDifference(decoded.image, image), 0) << count;
+      }
+    }
+}
+
+TEST(CompressedImages, OtherBytesBeforeAMarkerAreDamage) {
+  for (const Bytes& whole : WebcamJpegs(6))
+    for (const Bytes& stuffing : {Bytes{0, 0, 1}, Bytes{1, 0, 0}, Bytes(40, 0x55), Bytes{0xff, 0}})
+      EXPECT_EQ(DecodeCompressed(Stuffed(whole, stuffing), kColor).fault, ImageFault::kDamaged);
+  const Bytes progressive = Encode(Scene(6), ".jpg", {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+  EXPECT_EQ(DecodeCompressed(Stuffed(progressive, Bytes(40, 0x55)), kColor).fault,
+            ImageFault::kDamaged);
+}
+
+TEST(CompressedImages, CodedDataThatTurnToZerosAreDamage) {
+  for (const Bytes& whole : WebcamJpegs(7)) {
+    const std::vector<std::size_t> edges = EdgesOfScan(whole);
+    for (const int eighth : {1, 4, 6, 7}) {
+      Bytes mutant = whole;
+      const auto begin =
+          edges.front() + (edges.back() - edges.front()) * static_cast<std::size_t>(eighth) / 8;
+      std::fill(mutant.begin() + static_cast<std::ptrdiff_t>(begin), mutant.end() - 2,
+                std::uint8_t{0});
+
+      EXPECT_EQ(DecodeCompressed(mutant, kColor).fault, ImageFault::kDamaged) << eighth;
+    }
+  }
+}
+
 TEST(CompressedImages, DamagedPngsAreNoticed) {
   std::mt19937 random(12);
   const Bytes whole = Encode(Scene(1, 160, 120), ".png");
