@@ -68,7 +68,7 @@ std::unique_ptr<MessageSource> OpenAs(LogKind kind, const fs::path& path,
   switch (kind) {
     case LogKind::kBag: return OpenChunkedLog(file, Rosbag1Format());
     case LogKind::kMcap: return OpenChunkedLog(file, McapFormat());
-    case LogKind::kSqlite: return OpenRosbag2Sqlite(path);
+    case LogKind::kSqlite: return OpenRosbag2Sqlite(path, scratch_folder);
     case LogKind::kOldBag:
       throw Error(ErrorCode::kInvalidInput,
                   name + " is a ROS bag of format 1, which rosbag fix turns into format 2");

@@ -13,7 +13,7 @@ namespace parkade {
 /// records. In a folder other files are passed over.
 ///
 /// A packed file is unpacked to a temporary one in `scratch_folder` (empty: TMPDIR), which lives as
-/// long as the source and its passes.
+/// long as the source and its passes; so does the copy of a database that has a `-wal` file.
 ///
 /// Throws Error{kInvalidInput} with one sentence when it is none of these, Error{kNotFound}, and
 /// Error{kDiskFull}. Damage is no error: see MessageStream::damage().

@@ -11,13 +11,16 @@
 #include "server/ingest/containers/log_record.h"
 #include "server/ingest/containers/message_packing.h"
 #include "server/ingest/containers/sqlite_pages.h"
+#include "server/ingest/files/merge_wal.h"
 #include "server/ingest/files/sqlite_database.h"
+#include "server/ingest/files/temporary_folder.h"
 
 namespace parkade {
 namespace {
 
 /// The state that all passes share.
 struct Rosbag2File {
+  std::unique_ptr<const TemporaryFolder> copy;  ///< holds the file where a log was merged into it
   std::filesystem::path path;
   std::shared_ptr<const InputFile> file;
   TopicMap topics;         ///< a topic's id is its channel
@@ -196,19 +199,26 @@ bool IsShorterThanItClaims(const InputFile& file) {
   return number(28, 4) * page_size > file.size();
 }
 
+/// Whether whoever wrote the database did so by a write-ahead log.
+bool IsInWalMode(const InputFile& file) {
+  constexpr std::size_t kReadVersion = 19;
+  std::array<std::uint8_t, kReadVersion + 1> header{};
+  return file.ReadAt(0, header) == header.size() && header[kReadVersion] == 2;
+}
+
 class SqliteSource : public MessageSource {
  public:
-  explicit SqliteSource(const std::filesystem::path& path) : log_(std::make_shared<Rosbag2File>()) {
+  SqliteSource(const std::filesystem::path& path, const std::filesystem::path& scratch_folder)
+      : log_(std::make_shared<Rosbag2File>()) {
     log_->path = path;
-    log_->file = std::make_shared<const InputFile>(path);
+    if (HasWal(path)) ReadWithWal(scratch_folder);
+    log_->file = std::make_shared<const InputFile>(log_->path);
     log_->damage.is_truncated = IsShorterThanItClaims(*log_->file);
-    for (const char* suffix : {"-wal", "-journal"}) {
-      std::error_code error;
-      const std::filesystem::path sibling = path.string() + suffix;
-      if (std::filesystem::file_size(sibling, error) > 0 && !error)
-        AddLoss(log_->damage,
-                {"'" + sibling.filename().string() + "' beside it was not read", "", {}, 0});
-    }
+    std::error_code error;
+    const std::filesystem::path journal = path.string() + "-journal";
+    if (std::filesystem::file_size(journal, error) > 0 && !error)
+      AddLoss(log_->damage,
+              {"'" + journal.filename().string() + "' beside it was not read", "", {}, 0});
     Scan();
   }
 
@@ -242,6 +252,31 @@ class SqliteSource : public MessageSource {
   }
 
  private:
+  void ReadWithWal(const std::filesystem::path& scratch_folder) {
+    auto folder = std::make_unique<const TemporaryFolder>(scratch_folder);
+    const std::filesystem::path copy = folder->path() / log_->path.filename();
+    if (MergeWal(log_->path, copy)) {
+      log_->path = copy;
+      log_->copy = std::move(folder);
+    } else {
+      AddLoss(
+          log_->damage,
+          {"'" + NameOfWal(log_->path) + "' beside it holds nothing that can be used", "", {}, 0});
+    }
+  }
+
+  /// Why a database has no tables of rosbag2.
+  std::string SentenceWithoutTables() const {
+    const std::string name = "'" + log_->file->name() + "'",
+                      wal = "'" + NameOfWal(log_->path) + "'";
+    if (!log_->damage.ranges.empty())
+      return name + " holds no tables of rosbag2, and " + log_->damage.ranges.front().what;
+    if (IsInWalMode(*log_->file))
+      return name + " holds no tables of rosbag2: they may be in " + wal +
+             ", which belongs beside it";
+    return name + " is an SQLite database, but not one of rosbag2";
+  }
+
   void Scan() {
     ChannelTable channels;
     std::map<std::uint32_t, std::uint64_t> num_messages;
@@ -260,8 +295,7 @@ class SqliteSource : public MessageSource {
                             {topic.name, topic.type, topic.encoding, std::nullopt});
       has_tables = channels.num_channels() > 0;
     }
-    Require(has_tables, ErrorCode::kInvalidInput,
-            "'" + log_->file->name() + "' is an SQLite database, but not one of rosbag2");
+    Require(has_tables, ErrorCode::kInvalidInput, SentenceWithoutTables());
     log_->topics = channels.MakeTopics(num_messages);
   }
 
@@ -270,8 +304,9 @@ class SqliteSource : public MessageSource {
 
 }  // namespace
 
-std::unique_ptr<MessageSource> OpenRosbag2Sqlite(const std::filesystem::path& file) {
-  return std::make_unique<SqliteSource>(file);
+std::unique_ptr<MessageSource> OpenRosbag2Sqlite(const std::filesystem::path& file,
+                                                 const std::filesystem::path& scratch_folder) {
+  return std::make_unique<SqliteSource>(file, scratch_folder);
 }
 
 }  // namespace parkade

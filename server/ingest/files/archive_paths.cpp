@@ -12,7 +12,8 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxPathLength = 1024, kMaxNameLength = 128, kMaxDepth = 3;
 constexpr std::string_view kMetadata = "metadata.yaml";
-constexpr std::array<std::string_view, 3> kLogExtensions = {".bag", ".mcap", ".db3"};
+/// Rows of a database may lie in the -wal file beside it.
+constexpr std::array<std::string_view, 4> kLogExtensions = {".bag", ".mcap", ".db3", ".db3-wal"};
 
 std::vector<std::string> SplitPath(std::string_view path) {
   std::vector<std::string> parts;

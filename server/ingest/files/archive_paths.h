@@ -12,7 +12,7 @@ namespace parkade {
 /// (its mav0, at most three folders deep), or the log files of one folder, with the metadata.yaml
 /// beside them. Safe against any archive: what it returns is built from the parts that an EuRoC
 /// folder has (`cam0/data/<plain name>`, ...) and from plain names with the extensions of logs
-/// (.bag, .mcap, .db3, each perhaps with .zstd).
+/// (.bag, .mcap, .db3, each perhaps with .zstd, and .db3-wal).
 class ArchivePaths {
  public:
   /// `name`: that of the archive, for sentences; log files get a folder of that name.

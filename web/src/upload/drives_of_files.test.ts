@@ -29,6 +29,15 @@ test('the folder of a rosbag2 recording is one drive with its metadata', () => {
   ]);
 });
 
+test('the last rows of a recorder that was killed come with its database', () => {
+  expect(short(['rec/rec_0.db3', 'rec/rec_0.db3-shm', 'rec/rec_0.db3-wal'])).toEqual([['rec', true, ['rec_0.db3', 'rec_0.db3-wal']]]);
+  expect(short(['other.bag', 'mon.db3', 'mon.db3-wal', 'tue.db3'])).toEqual([
+    ['other.bag', false, ['other.bag']],
+    ['mon.db3', true, ['mon.db3', 'mon.db3-wal']],
+    ['tue.db3', false, ['tue.db3']],
+  ]);
+});
+
 test('a folder of drives is several', () => {
   expect(short(['week/mon.mcap', 'week/tue.mcap', 'week/wed/wed_0.bag', 'week/wed/wed_1.bag'])).toEqual([
     ['mon.mcap', false, ['mon.mcap']],

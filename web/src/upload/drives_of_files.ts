@@ -21,8 +21,9 @@ export interface FoundDrives<Source = File> {
 }
 
 const kLog = /\.(bag|mcap|db3)(\.zstd)?$/i;
+const kWal = /-wal$/i; // beside a .db3: the rows that its recorder wrote last
 const kArchive = /\.(zip|tar|tar\.gz|tgz|tar\.zst)$/i;
-const kRig = /(camchain[^/]*|imu\d*|vehicle)\.ya?ml$/i;
+const kRig = /(camchain[^/]*|imu(\d*|-[^/]*)|vehicle)\.ya?ml$/i;
 const kSplit = /^(.*?)[_.-](\d+)(\.(?:bag|mcap|db3)(?:\.zstd)?)$/i;
 
 const folderOf = (path: string) => path.slice(0, Math.max(0, path.lastIndexOf('/')));
@@ -65,13 +66,17 @@ function addFolder<Source>(folder: string, files: DroppedFile<Source>[], found: 
   const isUsed = new Set<DroppedFile<Source>>();
   if (folder !== '' && logs.length > 0 && (hasMetadata || splitsOf(logs).length === 1)) {
     // A recording's own folder: its parts, and metadata.yaml beside them.
-    const parts = files.filter(({ path }) => kLog.test(path) || nameOf(path) === 'metadata.yaml');
+    const parts = files.filter(({ path }) => kLog.test(path) || kLog.test(path.replace(kWal, '')) || nameOf(path) === 'metadata.yaml');
     found.drives.push(setOf(nameOf(folder), folder, parts, found));
     parts.forEach((file) => isUsed.add(file));
   } else {
-    for (const group of splitsOf(logs)) {
+    const withWals = (group: DroppedFile<Source>[]) => [
+      ...group,
+      ...files.filter((file) => kWal.test(file.path) && group.some(({ path }) => path === file.path.replace(kWal, ''))),
+    ];
+    for (const group of splitsOf(logs).map(withWals)) {
       if (group.length === 1) found.drives.push(single(group[0]!, found));
-      else found.drives.push(setOf(kSplit.exec(nameOf(group[0]!.path))?.[1] ?? 'drive', folder, group, found));
+      else found.drives.push(setOf(kSplit.exec(nameOf(group[0]!.path))?.[1] ?? nameOf(group[0]!.path), folder, group, found));
       group.forEach((file) => isUsed.add(file));
     }
   }

@@ -1,9 +1,13 @@
 """Writes the sample drive in the layout of rosbag2's sqlite3 storage.
 
-    write_rosbag2.py OUT.db3 [messages=zstd] [index=no]
+    write_rosbag2.py OUT.db3 [messages=zstd] [index=no] [wal=all|half]
+
+With wal= the files are left as by a recorder that was killed: everything, or the messages from the middle on, in
+OUT.db3-wal.
 """
 import ctypes
 import os
+import shutil
 import sqlite3
 import sys
 
@@ -23,6 +27,10 @@ def compress(data):
 if os.path.exists(out):
     os.remove(out)
 database = sqlite3.connect(out)
+wal = next((setting[4:] for setting in settings if setting.startswith("wal=")), None)
+if wal:
+    database.execute("PRAGMA journal_mode = wal")
+    database.execute("PRAGMA wal_autocheckpoint = 0")
 database.executescript(
     """
     CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);
@@ -43,9 +51,18 @@ for index, (topic, type_name, _, _, _) in enumerate(TOPICS):
     database.execute("INSERT INTO topics VALUES(?, ?, ?, 'cdr', '', 'RIHS01_0')", (index + 1, topic, ros2_type))
     database.execute("INSERT INTO message_definitions VALUES(?, ?, 'ros2msg', 'uint8[] data', 'RIHS01_0')",
                      (index + 1, ros2_type))
-for topic, _, time, data in messages():
+for number, (topic, _, time, data) in enumerate(messages()):
+    if number == 355 and wal == "half":
+        database.commit()
+        database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
     if "messages=zstd" in settings:
         data = compress(data)
     database.execute("INSERT INTO messages(topic_id, timestamp, data) VALUES(?, ?, ?)", (topic + 1, time, data))
 database.commit()
+if wal:
+    for suffix in ("", "-wal"):
+        shutil.copy(out + suffix, out + ".killed" + suffix)
 database.close()
+if wal:
+    for suffix in ("", "-wal"):
+        os.replace(out + ".killed" + suffix, out + suffix)
