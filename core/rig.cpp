@@ -59,7 +59,7 @@ void ValidateRig(const Rig& rig) {
     ValidateCamera(camera);
     Require(names.insert(camera.name).second, ErrorCode::kInvalidInput,
             "two cameras are called " + camera.name);
-    Require(topics.insert(camera.topic).second, ErrorCode::kInvalidInput,
+    Require(camera.topic.empty() || topics.insert(camera.topic).second, ErrorCode::kInvalidInput,
             "two cameras have the topic '" + camera.topic + "'");
   }
   RequireRigid(rig.body_from_imu, "the mounting of the IMU");

@@ -68,8 +68,8 @@ struct Rig {
 /// whose size differs from the image's.
 void ValidateRig(const Rig& rig);
 
-/// Reads a folder with camchain-imucam.yaml, imu0.yaml and (optionally)
-/// vehicle.yaml, in Kalibr's conventions (docs/conventions.md), and validates.
+/// Reads a folder with camchain-imucam.yaml, imu0.yaml (or as FindRigFiles knows them) and
+/// (optionally) vehicle.yaml, in Kalibr's conventions (docs/conventions.md), and validates.
 /// Accepts a leading "%YAML:1.0". Throws Error{kInvalidInput}, naming file and key.
 Rig ReadRig(const std::filesystem::path& folder);
 

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/rig.h"
+#include "core/rig_files.h"
 #include "core/yaml_file.h"
 
 namespace parkade {
@@ -10,11 +11,11 @@ namespace {
 
 using std::filesystem::path;
 
-/// The first of `names` that exists in `folder`, or the first of all, for the error.
-path FindFile(const path& folder, std::initializer_list<const char*> names) {
-  for (const char* name : names)
-    if (std::filesystem::exists(folder / name)) return folder / name;
-  return folder / *names.begin();
+std::vector<std::string> NamesIn(const path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.push_back(entry.path().filename());
+  return names;
 }
 
 std::string TextOr(const YamlNode& node, const std::string& key, const std::string& otherwise) {
@@ -184,7 +185,7 @@ Rigid3 ReadCameraFromImu(const YamlNode& camera, const std::optional<Rigid3>& pr
 
 ImuCalibration ReadImu(const YamlNode& root) {
   const YamlNode imu = root.Has("imu0") ? root.At("imu0") : root;
-  return {.topic = TextOr(imu, "rostopic", "imu0"),
+  return {.topic = TextOr(imu, "rostopic", ""),
           .update_rate = NumberOr(imu, "update_rate", ImuCalibration{}.update_rate),
           .accelerometer_noise_density = imu.At("accelerometer_noise_density").Number(),
           .accelerometer_random_walk = imu.At("accelerometer_random_walk").Number(),
@@ -222,7 +223,7 @@ Rig MakeRig(const YamlNode& imu, const std::optional<YamlNode>& vehicle, const Y
     const YamlNode node = chain.At(name);
     const Rigid3 camera_from_imu = ReadCameraFromImu(node, previous_from_imu);
     rig.cameras.push_back({.name = name,
-                           .topic = TextOr(node, "rostopic", name),
+                           .topic = TextOr(node, "rostopic", ""),
                            .model = ReadModel(node),
                            .body_from_camera = rig.body_from_imu * camera_from_imu.Inverse(),
                            .time_shift = NumberOr(node, "timeshift_cam_imu", 0),
@@ -244,12 +245,11 @@ Rig MakeRig(const YamlNode& imu, const std::optional<YamlNode>& vehicle, const Y
 Rig ReadRig(const path& folder) {
   Require(std::filesystem::is_directory(folder), ErrorCode::kInvalidInput,
           "the rig '" + folder.string() + "' is not a folder");
-  const YamlNode imu =
-      ReadYaml(FindFile(folder, {"imu0.yaml", "imu.yaml", "kalibr_imu_chain.yaml"}));
+  const auto [chain, imu] = FindRigFiles(NamesIn(folder));
+  const YamlNode imu_node = ReadYaml(folder / (imu.empty() ? kImuFile : imu));
   std::optional<YamlNode> vehicle;
   if (std::filesystem::exists(folder / "vehicle.yaml")) vehicle = ReadYaml(folder / "vehicle.yaml");
-  return MakeRig(imu, vehicle,
-                 ReadYaml(FindFile(folder, {"camchain-imucam.yaml", "kalibr_imucam_chain.yaml"})),
+  return MakeRig(imu_node, vehicle, ReadYaml(folder / (chain.empty() ? kCameraChainFile : chain)),
                  folder);
 }
 

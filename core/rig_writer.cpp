@@ -73,7 +73,7 @@ void WriteCamera(YAML::Emitter& out, const Rig& rig, const RigCamera& camera) {
   std::visit(LensWriter{out}, camera.model.projection());
   out << YAML::Key << "resolution" << YAML::Value << YAML::Flow
       << std::vector<int>{camera.model.width(), camera.model.height()};
-  out << YAML::Key << "rostopic" << YAML::Value << camera.topic;
+  if (!camera.topic.empty()) out << YAML::Key << "rostopic" << YAML::Value << camera.topic;
   out << YAML::Key << "timeshift_cam_imu" << YAML::Value << camera.time_shift;
   if (camera.line_delay != 0) out << YAML::Key << "line_delay" << YAML::Value << camera.line_delay;
   if (!camera.mask.empty()) out << YAML::Key << "mask" << YAML::Value << camera.name + "_mask.png";
@@ -99,7 +99,7 @@ void WriteScale(YAML::Emitter& out, const char* key, double scale) {
 void WriteImu(const ImuCalibration& imu, const path& file) {
   YAML::Emitter out;
   StartMap(out);
-  out << YAML::Key << "rostopic" << YAML::Value << imu.topic;
+  if (!imu.topic.empty()) out << YAML::Key << "rostopic" << YAML::Value << imu.topic;
   const std::pair<const char*, double> numbers[] = {
       {"update_rate", imu.update_rate},
       {"accelerometer_noise_density", imu.accelerometer_noise_density},

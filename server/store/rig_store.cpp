@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/rig_files.h"
 #include "core/sha256.h"
 #include "server/store/access/audit_log.h"
 #include "server/store/disk/durable_file.h"
@@ -13,12 +14,35 @@ namespace parkade {
 
 namespace fs = std::filesystem;
 
-StoredRig StoreRig(Store& store, const std::string& name, const RigFiles& files,
+namespace {
+
+void Rename(RigFiles& files, const std::string& from, const std::string& to) {
+  if (from.empty() || from == to) return;
+  auto file = files.extract(from);
+  file.key() = to;
+  files.insert(std::move(file));
+}
+
+/// The files by their usual names, where they have those that Kalibr gave them.
+RigFiles WithUsualNames(RigFiles files) {
+  std::vector<std::string> names;
+  names.reserve(files.size());
+  for (const auto& [name, content] : files) names.push_back(name);
+  const RigFileNames found = FindRigFiles(names);
+  Rename(files, found.camera_chain, kCameraChainFile);
+  Rename(files, found.imu, kImuFile);
+  return files;
+}
+
+}  // namespace
+
+StoredRig StoreRig(Store& store, const std::string& name, RigFiles files,
                    const std::function<void(const fs::path&)>& check_rig) {
   Require(IsPlainName(name), ErrorCode::kInvalidInput,
           "the name of a rig is 1 to 64 letters, digits, dots, dashes or underscores, and starts "
           "with a letter or digit");
-  for (const char* required : {"camchain-imucam.yaml", "imu0.yaml", "vehicle.yaml"})
+  files = WithUsualNames(std::move(files));
+  for (const char* required : {kCameraChainFile, kImuFile, "vehicle.yaml"})
     Require(files.contains(required), ErrorCode::kInvalidInput,
             std::string("the rig lacks '") + required + "'");
   for (const auto& [file, content] : files)

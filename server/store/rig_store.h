@@ -26,10 +26,10 @@ RigFiles UnpackRig(const std::string& zip);
 /// Packs the files as a zip, byte for byte the same each time.
 std::string PackRig(const RigFiles& files);
 
-/// Checks and stores a revision of the rig `name`. `check_rig` is given a folder
-/// with the files and throws when they are not a rig. Throws Error{kInvalidInput}
-/// when one of the three files is missing.
-StoredRig StoreRig(Store& store, const std::string& name, const RigFiles& files,
+/// Checks and stores a revision of the rig `name`. Files that are called as Kalibr calls them
+/// (FindRigFiles) get their usual names. `check_rig` is given a folder with the files and throws
+/// when they are not a rig. Throws Error{kInvalidInput} when one of the three files is missing.
+StoredRig StoreRig(Store& store, const std::string& name, RigFiles files,
                    const std::function<void(const std::filesystem::path&)>& check_rig);
 
 /// The zip of a stored rig.

@@ -265,6 +265,64 @@ TEST_F(RigFolder, ErrorsNameTheImusAndTheVehiclesKeysToo) {
   EXPECT_THROW(ReadRig(folder_ / "nowhere"), Error);
 }
 
+TEST_F(RigFolder, WhatKalibrCallsItsFilesIsFound) {
+  const auto rename = [&](const char* from, const std::string& to) {
+    fs::rename(folder_ / from, folder_ / to);
+  };
+  for (const auto& [chain, imu] :
+       {std::pair("drive-camchain-imucam.yaml", "drive-imu.yaml"),
+        std::pair("camchain-imucam-drive.yaml", "imu-drive.yaml"),
+        std::pair("drive-camchain.yaml", "imu.yaml"), std::pair("camchain.yaml", "imu0.yaml")}) {
+    rename("camchain-imucam.yaml", chain);
+    rename("imu0.yaml", imu);
+    EXPECT_EQ(ReadRig(folder_).cameras[0].topic, "/cam0/image_raw") << chain;
+    EXPECT_EQ(ReadRig(folder_).imu.topic, "/imu0") << imu;
+    rename(chain, "camchain-imucam.yaml");
+    rename(imu, "imu0.yaml");
+  }
+}
+
+TEST_F(RigFolder, OfSeveralFilesOfOneKindTheUsualOrTheFullerOneIsTaken) {
+  Write("drive-imu.yaml", "rostopic: /other");
+  Write("drive-camchain-imucam.yaml", "cam7: {}");
+  EXPECT_EQ(ReadRig(folder_).imu.topic, "/imu0");
+  EXPECT_EQ(ReadRig(folder_).cameras[0].name, "cam0");
+
+  // Kalibr calibrates cameras first, and then cameras with the IMU.
+  fs::rename(folder_ / "camchain-imucam.yaml", folder_ / "drive-camchain-imucam.yaml");
+  Write("drive-camchain.yaml", "cam7: {}");
+  EXPECT_EQ(ReadRig(folder_).cameras[0].name, "cam0");
+}
+
+TEST_F(RigFolder, SeveralFilesOfOneKindAreNamed) {
+  fs::rename(folder_ / "imu0.yaml", folder_ / "monday-imu.yaml");
+  Write("tuesday-imu.yaml", kImu);
+  Write("._monday-imu.yaml", "what macOS puts beside a file");
+
+  EXPECT_EQ(
+      ReadError(),
+      "the rig holds several files of one kind, 'monday-imu.yaml' and 'tuesday-imu.yaml': keep "
+      "one of them");
+}
+
+TEST_F(RigFolder, TopicsMayBeLeftOut) {
+  Write("imu0.yaml", std::string(kImu).substr(std::string(kImu).find('\n') + 1));
+  std::string cameras = kCamera;
+  cameras.replace(cameras.find("  rostopic: /cam0/image_raw\n"), 28, "");
+  std::string second = cameras;
+  Write("camchain-imucam.yaml", cameras + second.replace(0, 4, "cam1"));
+
+  const Rig rig = ReadRig(folder_);
+  WriteRig(rig, folder_);
+  const Rig again = ReadRig(folder_);
+
+  for (const Rig& read : {rig, again}) {
+    EXPECT_EQ(read.imu.topic, "");
+    ASSERT_EQ(read.cameras.size(), 2u);
+    EXPECT_EQ(read.cameras[1].topic, "");
+  }
+}
+
 TEST_F(RigFolder, TwoCamerasOfOneTopicAreRefused) {
   std::string second = kCamera;
   Write("camchain-imucam.yaml", kCamera + second.replace(0, 4, "cam1"));

@@ -55,6 +55,18 @@ std::string DriveName(const fs::path& log) {
   return IsNameOfDrive(name) ? name : "drive" + name;
 }
 
+/// Fills in the topics that the rig does not name.
+void NameTopics(const std::vector<SensorStream>& streams, Rig& rig) {
+  const auto fill_in = [](std::string& topic, const SensorStream& stream) {
+    if (topic.empty()) topic = stream.topic_name;
+  };
+  for (const SensorStream& stream : streams) {
+    if (stream.kind == StreamKind::kImu) fill_in(rig.imu.topic, stream);
+    if (stream.kind == StreamKind::kImage)
+      fill_in(rig.cameras[static_cast<std::size_t>(stream.camera)].topic, stream);
+  }
+}
+
 int DecodeThreads(const OpenLogOptions& options) {
   return options.num_decode_threads > 0 ? options.num_decode_threads
                                         : std::clamp(NumThreads() - 1, 1, 4);
@@ -101,8 +113,9 @@ Rig FindRig(const MessageSource& source, const fs::path& rig_folder) {
 std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
     std::shared_ptr<const MessageSource> source, const fs::path& name,
     const OpenLogOptions& options) {
-  const Rig rig = WithCameras(FindRig(*source, options.rig_folder), options.cameras);
+  Rig rig = WithCameras(FindRig(*source, options.rig_folder), options.cameras);
   StreamSelection selection = SelectStreams(*source, rig, options.use_wheels, options.use_gnss);
+  NameTopics(selection.streams, rig);
   std::vector<LogSurvey> surveys = SurveyStretches(*source, std::move(selection.streams), rig);
   RequireUsable(surveys.front().findings);
   std::vector<std::unique_ptr<RecordedDrive>> drives;

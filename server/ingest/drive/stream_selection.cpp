@@ -127,11 +127,13 @@ int FindMask(const Selector& log, const RigCamera& camera, const Rig& rig) {
 
 void AddCameras(const Selector& log, const Rig& rig, StreamSelection& selection) {
   std::vector<SensorStream> masks;
-  std::vector<std::string> missing;
+  std::vector<std::string> missing, unnamed;
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
     const RigCamera& camera = rig.cameras[i];
-    const std::string wanted = log.is_euroc() ? camera.name : camera.topic;
+    const bool is_named = !log.is_euroc() && !camera.topic.empty();
+    const std::string wanted = is_named ? camera.topic : camera.name;
     const int image = log.Find(wanted, IsImageType);
+    if (image < 0 && !is_named && !log.is_euroc()) unnamed.push_back(camera.name);
     if (image < 0) {
       missing.push_back(camera.name + " (" + wanted + ")");
       continue;
@@ -147,6 +149,9 @@ void AddCameras(const Selector& log, const Rig& rig, StreamSelection& selection)
   }
   const std::vector<std::string> candidates = log.TopicsOf(IsImageType);
   Require(!candidates.empty(), ErrorCode::kInvalidInput, "the log has no images");
+  Require(unnamed.empty(), ErrorCode::kInvalidInput,
+          "the rig's camera chain has no 'rostopic' of " + ListTopics(unnamed) +
+              ": name one of the log's image topics, which are " + ListTopics(candidates));
   Require(missing.size() < rig.cameras.size(), ErrorCode::kInvalidInput,
           "none of the rig's cameras is in the log: the rig has " + ListTopics(missing) +
               ", the log " + ListTopics(candidates));

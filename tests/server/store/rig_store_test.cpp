@@ -84,6 +84,16 @@ TEST_F(RigStore, KeepsTheNewestRevisionOfAName) {
   EXPECT_EQ(all[0].name, "van");
 }
 
+TEST_F(RigStore, WhatKalibrWroteGetsItsUsualNames) {
+  const RigFiles kalibrs = {{"drive-camchain-imucam.yaml", kRig.at("camchain-imucam.yaml")},
+                            {"drive-imu.yaml", kRig.at("imu0.yaml")},
+                            {"vehicle.yaml", kRig.at("vehicle.yaml")}};
+
+  const StoredRig rig = StoreRig(store_, "car", kalibrs, nullptr);
+
+  EXPECT_EQ(UnpackRig(ReadRigArchive(store_, rig)), kRig);
+}
+
 TEST_F(RigStore, ARefusedRigLeavesNothing) {
   RigFiles incomplete = kRig;
   incomplete.erase("imu0.yaml");

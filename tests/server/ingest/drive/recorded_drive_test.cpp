@@ -177,6 +177,18 @@ TEST(RecordedDrive, TheRigComesFromCameraInfoAndStaticTransforms) {
   EXPECT_EQ(lens.distortion.k3, 0.003);
 }
 
+TEST(RecordedDrive, TheTopicsThatARigLeavesOutAreFilledIn) {
+  const TestFolder folder;
+  Rig rig = Open(MakeLog({}))->rig();
+  rig.imu.topic.clear();
+  WriteRig(rig, folder.path());
+
+  const auto drive = Open(MakeLog({}), {.rig_folder = folder.path()});
+
+  EXPECT_EQ(drive->rig().imu.topic, "/imu");
+  EXPECT_EQ(ReadAll(*drive).imu, 601);
+}
+
 TEST(RecordedDrive, ATopicMayBeNamedAsItsCamera) {
   const auto drive = Open(MakeLog({.image_name = ""}));
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/error.h"
+
 namespace parkade {
 namespace {
 
@@ -73,6 +75,46 @@ TEST(StreamSelection, AMaskBelongsToOneCamera) {
       MasksOf(log, RigOf({{"cam0", "/cam1/image_raw"}, {"cam1", "/cam2/image_raw"}}));
 
   EXPECT_EQ(masks, (std::map<int, std::string>{{0, "/cam1/semantic"}}));
+}
+
+const std::vector<TopicInfo> kTwoOfEach = {{"/imu/a", "sensor_msgs/Imu"},
+                                           {"/imu/b", "sensor_msgs/Imu"},
+                                           {"/left", "sensor_msgs/Image"},
+                                           {"/right", "sensor_msgs/Image"}};
+
+/// What selecting throws.
+std::string ErrorOf(const std::vector<TopicInfo>& topics, const Rig& rig) {
+  try {
+    SelectStreams(TopicsOnly(topics), rig, false, false);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidInput);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(StreamSelection, TheOnlyImuNeedsNoName) {
+  const TopicsOnly log({{"/left", "sensor_msgs/Image"}, {"/imu/data", "sensor_msgs/Imu"}});
+
+  const StreamSelection selection = SelectStreams(log, RigOf({{"cam0", "/left"}}), false, false);
+
+  EXPECT_EQ(selection.streams.front().topic_name, "/imu/data");
+  EXPECT_EQ(ErrorOf(kTwoOfEach, RigOf({{"cam0", "/left"}})),
+            "the log has several IMUs (/imu/a and /imu/b): name one as rostopic in imu0.yaml");
+}
+
+TEST(StreamSelection, ACameraWithoutATopicIsThatOfItsNameOrIsNamed) {
+  const std::vector<TopicInfo> topics = {{"/imu", "sensor_msgs/Imu"},
+                                         {"/cam0/compressed", "sensor_msgs/CompressedImage"},
+                                         {"/rear", "sensor_msgs/Image"}};
+
+  const StreamSelection selection =
+      SelectStreams(TopicsOnly(topics), RigOf({{"cam0", ""}, {"cam1", "/rear"}}), false, false);
+
+  EXPECT_EQ(selection.streams[1].topic_name, "/cam0/compressed");
+  EXPECT_EQ(ErrorOf(topics, RigOf({{"cam0", ""}, {"cam1", ""}})),
+            "the rig's camera chain has no 'rostopic' of cam1: name one of the log's image topics, "
+            "which are /cam0/compressed and /rear");
 }
 
 }  // namespace

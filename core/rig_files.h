@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace parkade {
+
+inline constexpr const char* kCameraChainFile = "camchain-imucam.yaml";
+inline constexpr const char* kImuFile = "imu0.yaml";
+
+/// The files of a rig, by their names in its folder; empty where there is none.
+struct RigFileNames {
+  std::string camera_chain, imu;
+};
+
+/// Finds a rig's files among the names of a folder's: those of the usual names, else the one that
+/// is called as Kalibr calls its results (`BAG-camchain-imucam.yaml`, `BAG-imu.yaml`, and before
+/// 2021 `camchain-imucam-BAG.yaml`, `imu-BAG.yaml`). A chain with the IMU goes before one without
+/// (`BAG-camchain.yaml`). Throws Error{kInvalidInput} where there are several of one kind.
+RigFileNames FindRigFiles(const std::vector<std::string>& names);
+
+}  // namespace parkade
