@@ -47,11 +47,25 @@ Json LoopsToJson(const DriveOutcome& outcome, const Rig& rig, const std::string&
   return json;
 }
 
+/// What the log holds, and what is wrong with it. Where odometry was taken from an earlier build,
+/// no pass of this one has decoded every image: then those that odometry did not get are the
+/// damaged ones.
+DriveLogHealth HealthOf(const RecordedDrive& log, const DriveOutcome& outcome) {
+  DriveLogHealth health = log.health();
+  health.findings.insert(health.findings.end(), outcome.findings.begin(), outcome.findings.end());
+  for (StreamHealth& stream : health.streams)
+    for (const CameraHealth& camera : outcome.odometry.cameras) {
+      const auto num_images = static_cast<std::uint64_t>(camera.frames);
+      if (stream.role != camera.name || stream.num_delivered <= num_images) continue;
+      stream.Dropped(DropReason::kDamaged) += stream.num_delivered - num_images;
+      stream.num_delivered = num_images;
+    }
+  return health;
+}
+
 Json DriveToJson(const SiteDrive& drive, const DriveOutcome& outcome, const RecordedDrive& log,
                  const DriveInputs& inputs) {
-  DriveLogHealth known = log.health();
-  known.findings.insert(known.findings.end(), outcome.findings.begin(), outcome.findings.end());
-  const nlohmann::json health = HealthToJson(known);
+  const nlohmann::json health = HealthToJson(HealthOf(log, outcome));
   return {{"name", drive.name},
           {"log", InputToJson(inputs.log)},
           {"rig", inputs.rig ? InputToJson(*inputs.rig) : Json(nullptr)},

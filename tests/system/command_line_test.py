@@ -244,6 +244,24 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("other options", result.stderr)
 
+    def test_a_map_made_from_another_counts_what_its_log_holds(self):
+        drive = write_drive(self.folder / "torn", seconds=4.0)
+        image = drive / "mav0/cam0/data/b.png"
+        image.write_bytes((drive / "mav0/cam0/data/a.png").read_bytes()[:400])
+        lines = (drive / "mav0/cam0/data.csv").read_text().splitlines()
+        torn = [line.replace("a.png", "b.png") if i % 10 == 5 else line for i, line in enumerate(lines)]
+        (drive / "mav0/cam0/data.csv").write_text("\n".join(torn) + "\n")
+        num_torn = sum("b.png" in line for line in torn)
+        first, second = self.folder / "first", self.folder / "second"
+        self.assertEqual(run("map", drive, "--out", first, "--quiet").returncode, 0)
+        result = run("map", drive, "--from", first, "--out", second, "--quiet")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for out in (first, second):
+            streams = json.loads((out / "report.json").read_text())["drives"][0]["streams"]
+            camera = next(stream for stream in streams if stream["role"] == "cam0")
+            self.assertEqual(camera["dropped"], {"damaged": num_torn})
+            self.assertEqual(camera["delivered"], len(lines) - 1 - num_torn)
+
     def test_a_full_disk_is_said_and_leaves_nothing(self):
         disk = self.folder / "disk"
         disk.mkdir()
