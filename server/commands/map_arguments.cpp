@@ -14,6 +14,10 @@ void AddInputs(CLI::App& command, MapArguments& arguments) {
                   "logs or once for each, "
                   "in their order ('-': the log's own)")
       ->allow_extra_args(false);
+  command.add_flag(
+      "--skip-bad", arguments.skips_bad,
+      "of several logs, leave out with a warning those that cannot be used, instead of "
+      "ending with status 1");
   command.add_option("--out", arguments.out, "folder for the map; made where missing");
   command.add_option(
       "--work", arguments.work,

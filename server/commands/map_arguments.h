@@ -12,7 +12,7 @@ struct MapArguments {
   std::string out, from, preview, work, progress_file, cameras, loops, freespace_model;
   std::vector<std::string> settings, rejected_loops, forced_loops, rejected_links, forced_links,
       pins;
-  bool no_pins = false;
+  bool no_pins = false, skips_bad = false;
   bool no_wheel = false, no_gnss = false, no_refine = false, is_odometry_only = false;
   bool print_options = false, explain_options = false, is_quiet = false;
   int num_threads = 0;

@@ -152,7 +152,7 @@ void PrepareAndKeep(const MapArguments& all, const MapOptions& options, Progress
   one.logs = {all.logs[index]};
   if (all.rigs.size() > 1) one.rigs = {all.rigs.at(index)};
   const OutputFolder output(one.out);
-  const OpenedLogs logs = OpenLogs(one.logs, one.rigs, OpenOptionsOf(one));
+  const OpenedLogs logs = OpenLogs(one.logs, one.rigs, OpenOptionsOf(one), one.skips_bad);
   const std::string& name = logs.drives.front()->name();
   one.rejected_loops = OnlyOf(name, all.rejected_loops);
   one.forced_loops = OnlyOf(name, all.forced_loops);
@@ -165,7 +165,8 @@ void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Pro
   if (!arguments.from.empty()) MapReader(arguments.from);  // throws where there is no map
   std::vector<SitePin> pins = PinsOf(arguments, options.pins);
   OutputFolder output(arguments.out);
-  const OpenedLogs logs = OpenLogs(arguments.logs, arguments.rigs, OpenOptionsOf(arguments));
+  const OpenedLogs logs =
+      OpenLogs(arguments.logs, arguments.rigs, OpenOptionsOf(arguments), arguments.skips_bad);
   RequireOverwritable(arguments.out, NamesOf(logs.drives));
   CheckLinks(arguments, NamesOf(logs.drives));
   BuildScope scope = BuildScopeOf(arguments, logs.drives, output.staging());

@@ -7,7 +7,7 @@
 namespace parkade {
 
 OpenedLogs OpenLogs(const std::vector<std::string>& logs, const std::vector<std::string>& rigs,
-                    OpenLogOptions options) {
+                    OpenLogOptions options, bool skips_bad) {
   OpenedLogs opened;
   auto& [drives, sources, unreadable] = opened;
   Require(rigs.size() <= 1 || rigs.size() == logs.size(), ErrorCode::kUsage,
@@ -20,6 +20,8 @@ OpenedLogs OpenLogs(const std::vector<std::string>& logs, const std::vector<std:
       of_log = OpenDriveLogs(logs[i], options);
     } catch (const Error& error) {
       if (logs.size() == 1 || error.code() != ErrorCode::kInvalidInput) throw;
+      Require(skips_bad, ErrorCode::kInvalidInput,
+              "'" + logs[i] + "' cannot be used (--skip-bad maps the others): " + error.what());
       unreadable.push_back({std::filesystem::path(logs[i]).stem(), error.what()});
       continue;
     }

@@ -21,15 +21,17 @@ struct DriveSource {
 struct OpenedLogs {
   std::vector<std::unique_ptr<RecordedDrive>> drives;  ///< in the order of their time
   std::map<std::string, DriveSource> sources;          ///< by the drives' names
-  std::vector<LeftOutDrive> unreadable;                ///< drives of several that cannot be used
+  std::vector<LeftOutDrive> unreadable;                ///< logs of several that cannot be used
 };
 
-/// Opens the logs of one map. One of several that cannot be used is left out.
+/// Opens the logs of one map.
 /// \param rigs  folders with rig files: none, one for all logs, or one for each; "-": the log's own
-/// Throws Error{kInvalidInput} where none can be used or two have one name, Error{kUsage} for
-/// another number of rigs.
+/// \param skips_bad  whether one of several logs that cannot be used is left out
+/// Throws Error{kInvalidInput} where one cannot be used, with `skips_bad` where none can, or two
+/// have one name, Error{kNotFound} for a log that is not there, and Error{kUsage} for another
+/// number of rigs.
 OpenedLogs OpenLogs(const std::vector<std::string>& logs, const std::vector<std::string>& rigs,
-                    OpenLogOptions options);
+                    OpenLogOptions options, bool skips_bad);
 
 std::vector<std::string> NamesOf(const std::vector<std::unique_ptr<RecordedDrive>>& drives);
 

@@ -81,6 +81,30 @@ class CommandLine(unittest.TestCase):
         empty.touch()
         self.refuse(empty, names=["empty.mcap"])
 
+    def test_one_of_several_logs_that_cannot_be_used_is_named(self):
+        drive = write_drive(self.folder / "parked", seconds=4.0)
+        shopping = self.folder / "shopping.bag"
+        shopping.write_text("milk, eggs, bread")
+        dark = write_drive(self.folder / "dark", images=False)
+        self.refuse(drive, shopping, names=["shopping.bag' cannot be used", "--skip-bad"])
+        self.refuse(dark, drive, names=["dark' cannot be used", "images"])
+        self.refuse(drive, self.folder / "nowhere.bag", "--skip-bad", names=["nowhere.bag"])
+        self.refuse(shopping, dark, "--skip-bad", names=["none of the logs can be used"])
+
+    def test_a_bad_log_is_skipped_where_that_was_said(self):
+        drive = write_drive(self.folder / "parked", seconds=4.0)
+        shopping = self.folder / "shopping.bag"
+        shopping.write_text("milk, eggs, bread")
+        result = run("map", drive, shopping, "--skip-bad", "--out", self.out, "--quiet")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        report = json.loads((self.out / "report.json").read_text())
+        self.assertEqual([one["name"] for one in report["drives"]], ["parked"])
+        self.assertEqual([one["name"] for one in report["left_out"]], ["shopping"])
+        self.assertTrue(report["warnings"][0].startswith("drive 'shopping' is left out: "), report["warnings"])
+        last = result.stderr.splitlines()[-len(report["warnings"]):]
+        for line, warning in zip(last, report["warnings"]):
+            self.assertTrue(line.endswith(warning), result.stderr)
+
     def test_a_missing_file_is_named(self):
         self.refuse(self.folder / "nowhere.bag", names=["nowhere.bag"])
 
