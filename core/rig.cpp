@@ -73,6 +73,8 @@ void ValidateRig(const Rig& rig) {
   if (!rig.vehicle) return;
   RequireLength(rig.vehicle->wheelbase, "wheelbase of the vehicle");
   RequireLength(rig.vehicle->track, "track of the vehicle");
+  Require(std::isfinite(rig.vehicle->wheel_scale) && rig.vehicle->wheel_scale != 0,
+          ErrorCode::kInvalidInput, "wheel_scale of the vehicle must be a number, and not 0");
   Require(!rig.vehicle->antenna_in_body || rig.vehicle->antenna_in_body->allFinite(),
           ErrorCode::kInvalidInput, "p_body_gnss of the vehicle holds a number that is not finite");
 }

@@ -181,7 +181,10 @@ Rig RigOfEveryLens() {
   Rig rig;
   rig.imu.topic = "/imu: with #odd 'characters'";
   rig.body_from_imu = {Eigen::Quaterniond(0.9, 0.1, -0.2, 0.3).normalized(), {0.1, 0.2, 0.3}};
-  rig.vehicle = VehicleCalibration{2.7, 1.5, "/odom", "/fix", Eigen::Vector3d(1.0 / 3, 0, 1.5)};
+  rig.vehicle =
+      VehicleCalibration{2.7, 1.5, "/odom", "/fix", 0.001, Eigen::Vector3d(1.0 / 3, 0, 1.5)};
+  rig.imu.accelerometer_scale = 9.80665;
+  rig.imu.gyroscope_scale = M_PI / 180;
   for (const CameraModel::Projection& lens : lenses) {
     const double i = static_cast<double>(rig.cameras.size());
     RigCamera camera;
@@ -224,6 +227,9 @@ TEST_F(RigFolder, AWrittenRigIsReadBackTheSame) {
   EXPECT_TRUE(again.cameras[1].mask.empty());
   ExpectSameMotion(again.body_from_imu, rig.body_from_imu);
   EXPECT_EQ(again.imu.topic, rig.imu.topic);
+  EXPECT_EQ(again.imu.accelerometer_scale, rig.imu.accelerometer_scale);
+  EXPECT_EQ(again.imu.gyroscope_scale, rig.imu.gyroscope_scale);
+  EXPECT_EQ(again.vehicle->wheel_scale, rig.vehicle->wheel_scale);
   EXPECT_EQ(again.vehicle->antenna_in_body.value(), rig.vehicle->antenna_in_body.value());
 }
 

@@ -1,5 +1,6 @@
 #include "server/ingest/containers/channel_table.h"
 
+#include <string_view>
 #include <tuple>
 
 namespace parkade {
@@ -37,6 +38,12 @@ TopicMap ChannelTable::MakeTopics(
 }
 
 std::string Ros1TypeName(const std::string& type) {
+  // DDS: "sensor_msgs::msg::dds_::Imu_"
+  constexpr std::string_view kDds = "::msg::dds_::";
+  const std::size_t dds = type.find(kDds);
+  if (dds != std::string::npos && type.ends_with('_'))
+    return type.substr(0, dds) + "/" +
+           type.substr(dds + kDds.size(), type.size() - dds - kDds.size() - 1);
   const std::size_t middle = type.find("/msg/");
   return middle == std::string::npos ? type : type.substr(0, middle) + type.substr(middle + 4);
 }

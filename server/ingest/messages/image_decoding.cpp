@@ -24,19 +24,26 @@ DecodedImage Damaged(const std::string& what) { return {{}, ImageFault::kDamaged
 struct RawFormat {
   int type;
   int to_gray, to_bgr;
+  bool has_chroma_below = false;  ///< in half as many rows, below the luma that alone is gray
 };
 
-const RawFormat* FindFormat(const std::string& encoding) {
+/// Drivers spell encodings as they like.
+const RawFormat* FindFormat(std::string encoding) {
+  for (char& c : encoding) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  static constexpr RawFormat kYuyv = {CV_8UC2, cv::COLOR_YUV2GRAY_YUY2, cv::COLOR_YUV2BGR_YUY2};
+  static constexpr RawFormat kUyvy = {CV_8UC2, cv::COLOR_YUV2GRAY_UYVY, cv::COLOR_YUV2BGR_UYVY};
+  static constexpr RawFormat kBgra = {CV_8UC4, cv::COLOR_BGRA2GRAY, cv::COLOR_BGRA2BGR};
   // OpenCV names a Bayer pattern by its second row: ROS' rggb is OpenCV's BG.
   static const std::map<std::string, RawFormat> formats = {
       {"mono8", {CV_8UC1, -1, -1}},
-      {"8UC1", {CV_8UC1, -1, -1}},
+      {"8uc1", {CV_8UC1, -1, -1}},
       {"mono16", {CV_16UC1, -1, -1}},
-      {"16UC1", {CV_16UC1, -1, -1}},
+      {"16uc1", {CV_16UC1, -1, -1}},
       {"bgr8", {CV_8UC3, cv::COLOR_BGR2GRAY, -1}},
-      {"8UC3", {CV_8UC3, cv::COLOR_BGR2GRAY, -1}},
+      {"8uc3", {CV_8UC3, cv::COLOR_BGR2GRAY, -1}},
       {"rgb8", {CV_8UC3, cv::COLOR_RGB2GRAY, cv::COLOR_RGB2BGR}},
-      {"bgra8", {CV_8UC4, cv::COLOR_BGRA2GRAY, cv::COLOR_BGRA2BGR}},
+      {"bgra8", kBgra},
+      {"8uc4", kBgra},
       {"rgba8", {CV_8UC4, cv::COLOR_RGBA2GRAY, cv::COLOR_RGBA2BGR}},
       {"bayer_rggb8", {CV_8UC1, cv::COLOR_BayerBG2GRAY, cv::COLOR_BayerBG2BGR}},
       {"bayer_bggr8", {CV_8UC1, cv::COLOR_BayerRG2GRAY, cv::COLOR_BayerRG2BGR}},
@@ -46,6 +53,13 @@ const RawFormat* FindFormat(const std::string& encoding) {
       {"bayer_bggr16", {CV_16UC1, cv::COLOR_BayerRG2GRAY, cv::COLOR_BayerRG2BGR}},
       {"bayer_gbrg16", {CV_16UC1, cv::COLOR_BayerGR2GRAY, cv::COLOR_BayerGR2BGR}},
       {"bayer_grbg16", {CV_16UC1, cv::COLOR_BayerGB2GRAY, cv::COLOR_BayerGB2BGR}},
+      {"yuv422", kUyvy},
+      {"uyvy", kUyvy},
+      {"yuv422_yuy2", kYuyv},
+      {"yuyv", kYuyv},
+      {"yuy2", kYuyv},
+      {"nv12", {CV_8UC1, -1, cv::COLOR_YUV2BGR_NV12, true}},
+      {"nv21", {CV_8UC1, -1, cv::COLOR_YUV2BGR_NV21, true}},
   };
   const auto found = formats.find(encoding);
   return found == formats.end() ? nullptr : &found->second;
@@ -76,15 +90,22 @@ cv::Mat WithEightBits(const cv::Mat& image, int sample_bits) {
   return narrow;
 }
 
-/// A view of the pixels, or nothing when the message contradicts itself.
-std::optional<cv::Mat> ViewOf(const ImageMessage& message, int type) {
+/// A view of the pixels, with what lies below them where `num_rows` says so; nothing when the
+/// message contradicts itself. Some drivers leave out the step.
+std::optional<cv::Mat> ViewOf(const ImageMessage& message, int type, std::size_t num_rows) {
   const std::size_t row_size = message.width * CV_ELEM_SIZE(type);
-  if (message.width == 0 || message.height == 0 || message.step < row_size) return std::nullopt;
-  if (message.data.size() < std::size_t{message.step} * (message.height - 1) + row_size)
-    return std::nullopt;
+  const std::size_t step = message.step == 0 ? row_size : message.step;
+  if (message.width == 0 || message.height == 0 || step < row_size) return std::nullopt;
+  if (message.data.size() < step * (num_rows - 1) + row_size) return std::nullopt;
   // cv::Mat has no const view; nothing writes through this one.
-  return cv::Mat(static_cast<int>(message.height), static_cast<int>(message.width), type,
-                 const_cast<std::uint8_t*>(message.data.data()), message.step);
+  return cv::Mat(static_cast<int>(num_rows), static_cast<int>(message.width), type,
+                 const_cast<std::uint8_t*>(message.data.data()), step);
+}
+
+bool IsVideo(std::span<const std::uint8_t> data) {
+  constexpr std::array<std::uint8_t, 4> kStartCode = {0, 0, 0, 1};
+  return data.size() > 4 && (std::equal(kStartCode.begin(), kStartCode.end(), data.begin()) ||
+                             std::equal(kStartCode.begin() + 1, kStartCode.end(), data.begin()));
 }
 
 bool IsPng(std::span<const std::uint8_t> data) {
@@ -155,7 +176,8 @@ std::filesystem::path PathOf(const RawMessage& message) {
 DecodedImage DecodeCompressed(std::span<const std::uint8_t> data, const ImageRequest& request) {
   if (IsPng(data)) return DecodePng(data, request);
   if (data.size() > 3 && data[0] == 0xff && data[1] == 0xd8) return DecodeJpeg(data, request);
-  return Damaged("neither JPEG nor PNG");
+  return Damaged(IsVideo(data) ? "H.264 or H.265 video, which is not decoded: record JPEG"
+                               : "neither JPEG nor PNG");
 }
 
 DecodedImage DecodeRaw(const ImageMessage& message, const ImageRequest& request) {
@@ -166,7 +188,11 @@ DecodedImage DecodeRaw(const ImageMessage& message, const ImageRequest& request)
   if (auto fault =
           CheckSize(static_cast<int>(message.width), static_cast<int>(message.height), request))
     return *fault;
-  const std::optional<cv::Mat> view = ViewOf(message, format->type);
+  const bool needs_chroma = format->has_chroma_below && !request.grayscale;
+  if (needs_chroma && (message.width % 2 != 0 || message.height % 2 != 0))
+    return Damaged("its width and height are not even, as " + message.encoding + " needs");
+  const std::optional<cv::Mat> view =
+      ViewOf(message, format->type, message.height + (needs_chroma ? message.height / 2 : 0));
   if (!view) return Damaged("the image has fewer bytes than its size needs");
   const bool must_swap = view->depth() == CV_16U && message.is_bigendian;
   const cv::Mat samples =
@@ -206,7 +232,7 @@ std::optional<int> SampleBits(const RawMessage& message, const SensorStream& str
   const ImageMessage image = DecodeImage(message.data, stream.encoding);
   const RawFormat* format = FindFormat(image.encoding);
   if (!format || CV_MAT_DEPTH(format->type) != CV_16U) return std::nullopt;
-  const std::optional<cv::Mat> view = ViewOf(image, format->type);
+  const std::optional<cv::Mat> view = ViewOf(image, format->type, image.height);
   if (!view) return std::nullopt;
   double max = 0;
   cv::minMaxLoc(image.is_bigendian ? WithSwappedBytes(*view) : *view, nullptr, &max);

@@ -93,6 +93,7 @@ export const checks = {
     await waitForColor(page, [200, 40, 160]);
     assert.ok([...asked].every((path) => /\/\d+\/\d+\/\d+\.png$/.test(path)), [...asked].join(' '));
     await page.locator('.maplibregl-ctrl-attrib').getByText('The Town').waitFor();
+    await page.locator('.grid-labels').waitFor({ state: 'hidden' });
     await world.picture('basemap_tiles');
   },
 
@@ -120,6 +121,15 @@ export const checks = {
     await waitForColor(page, water);
     assert.ok(ranges.length > 0);
     await world.picture('basemap_pmtiles');
+  },
+
+  async 'a tile server that refuses is said, and the grid stays'(page, world) {
+    await page.route('**/basemap-of-a-check/**', (route) => route.fulfill({ status: 401 }));
+    await describe(page, { tiles: `${world.address}/basemap-of-a-check/{z}/{x}/{y}.png` });
+    await open(page, world);
+    await page.getByRole('alert').filter({ hasText: 'its server answers 401' }).waitFor();
+    assert.ok(await page.locator('.grid-labels').isVisible());
+    page.faults.splice(0, page.faults.length, ...page.faults.filter((fault) => !fault.includes('status of 401')));
   },
 
   async 'a basemap that cannot be had is said, and the sites are there'(page, world) {

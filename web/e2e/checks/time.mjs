@@ -57,6 +57,32 @@ export const checks = {
     await page.waitForFunction((t) => Number(document.querySelector('input[aria-label="Time of the drive"]')?.value) === t, at);
   },
 
+  async 'Home and End lead to the ends of a drive, also while its plots are on their way'(page, world) {
+    const drive = await find(world);
+    let send = () => undefined;
+    const isWanted = new Promise((resolve) => (send = resolve));
+    await page.route('**/plots?*', async (route) => {
+      await isWanted;
+      await route.continue();
+    });
+    await page.goto(`${world.address}${drive.map}?tab=time&drive=${drive.id}`);
+    const shows = (expected) => page.waitForFunction((at) => Math.abs(Number(document.querySelector('input[aria-label="Time of the drive"]')?.value) - at) < 1, expected);
+    await slider(page).focus();
+    await page.keyboard.press('End');
+    await shows(drive.plots.end);
+    await page.keyboard.press('Home');
+    await shows(0);
+    send();
+    await page.locator('.plot canvas').nth(1).waitFor();
+    await page.keyboard.press('End');
+    await shows(drive.plots.end);
+    await page.keyboard.press('z'); // a slider leaves alone what it does not mean
+    await page.locator('.scrubber rect.window').waitFor({ state: 'attached' });
+    await page.getByRole('button', { name: 'Follow' }).focus();
+    await page.keyboard.press('Home');
+    await shows(0);
+  },
+
   async 'a stretch of time is brushed out of the plots, and given back'(page, world) {
     const drive = await find(world);
     await open(page, world, drive);

@@ -33,6 +33,7 @@ interface Events {
 }
 
 const kMargin = 1.15; // around what is looked at
+const kNearest = 5; // [m] from which all is looked at
 const kSteady = 4; // [px] by which a pointer may move in a click
 const kKeyStep = 40; // [px] by which an arrow key moves the map
 const kHighest = 1e9; // [m]
@@ -299,11 +300,18 @@ export class MapScene {
   private lookFrom(direction: THREE.Vector3): void {
     const box = new THREE.Box3(new THREE.Vector3(...this.bounds.min), new THREE.Vector3(...this.bounds.max));
     const center = box.getCenter(new THREE.Vector3());
-    const size = box.getSize(new THREE.Vector3());
     const tangent = Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
-    const distance = Math.max(size.y / 2 / tangent, size.x / 2 / (tangent * Math.max(this.camera.aspect, 0.2)), 5);
+    const [toCamera, right] = [direction.clone().normalize(), new THREE.Vector3(1, 0, 0)];
+    const up = toCamera.clone().cross(right);
+    // Each corner is as far ahead of the camera as it takes to be in the picture.
+    let distance = kNearest;
+    for (let i = 0; i < 8; ++i) {
+      const corner = new THREE.Vector3(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z).sub(center);
+      const across = Math.max(Math.abs(corner.dot(right)) / Math.max(this.camera.aspect, 0.2), Math.abs(corner.dot(up)));
+      distance = Math.max(distance, corner.dot(toCamera) + (kMargin * across) / tangent);
+    }
     this.controls.target.copy(center);
-    this.camera.position.copy(center).addScaledVector(direction.normalize(), kMargin * distance + size.z);
+    this.camera.position.copy(center).addScaledVector(toCamera, distance);
     this.controls.update();
     this.requestFrame();
   }

@@ -148,7 +148,7 @@ export class OverviewMap {
     });
     // No event says that none came.
     this.basemapWatch = setInterval(() => {
-      if (this.map.areTilesLoaded()) onfault(fault || 'it has no tile of this place');
+      if (this.map.areTilesLoaded()) onfault(fault || 'it has no tiles of this place');
     }, kPatience);
   }
 

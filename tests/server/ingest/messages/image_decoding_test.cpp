@@ -71,6 +71,63 @@ TEST(RawImages, ColorLayoutsGiveTheSameImage) {
   EXPECT_EQ(MaxDifference(DecodeRaw(MessageOf(gray, "mono8"), kColor).image, gray), 0);
 }
 
+/// The luma and chroma of an image, which takes its colors from 2x2 pixels.
+cv::Mat PlanarYuv(const cv::Mat& bgr) {
+  cv::Mat planar;
+  cv::cvtColor(bgr, planar, cv::COLOR_BGR2YUV_I420);
+  return planar;
+}
+
+TEST(RawImages, LumaAndChromaGiveTheImageBack) {
+  const cv::Mat bgr(40, 64, CV_8UC3, cv::Scalar(200, 120, 40));
+  const cv::Mat planar = PlanarYuv(bgr);  // 40 rows of luma, 10 of u, 10 of v
+  const std::uint8_t y = planar.at<std::uint8_t>(0, 0), u = planar.at<std::uint8_t>(45, 0),
+                     v = planar.at<std::uint8_t>(55, 0);
+  const auto packed = [](std::uint8_t first, std::uint8_t second, std::uint8_t third) {
+    cv::Mat image(40, 64, CV_8UC2);
+    for (int row = 0; row < image.rows; ++row)
+      for (int x = 0; x < image.cols; ++x)
+        image.at<cv::Vec2b>(row, x) = first == third ? cv::Vec2b(first, second) : cv::Vec2b();
+    return image;
+  };
+  cv::Mat yuyv = packed(y, u, y), uyvy = packed(u, y, u);
+  for (int row = 0; row < 40; ++row)
+    for (int x = 1; x < 64; x += 2) {
+      yuyv.at<cv::Vec2b>(row, x)[1] = v;
+      uyvy.at<cv::Vec2b>(row, x)[0] = v;
+    }
+  cv::Mat nv12(60, 64, CV_8UC1, cv::Scalar(y)), nv21 = nv12.clone();
+  for (int row = 40; row < 60; ++row)
+    for (int x = 0; x < 64; ++x) {
+      nv12.at<std::uint8_t>(row, x) = x % 2 == 0 ? u : v;
+      nv21.at<std::uint8_t>(row, x) = x % 2 == 0 ? v : u;
+    }
+  const std::pair<cv::Mat, std::string> layouts[] = {{yuyv, "yuv422_yuy2"}, {yuyv, "YUYV"},
+                                                     {uyvy, "yuv422"},      {uyvy, "UYVY"},
+                                                     {nv12, "nv12"},        {nv21, "NV21"}};
+  for (const auto& [image, encoding] : layouts) {
+    ImageMessage message = MessageOf(image, encoding);
+    message.height = 40;
+    EXPECT_LE(MaxDifference(DecodeRaw(message, kColor).image, bgr), 4) << encoding;
+    EXPECT_LE(
+        MaxDifference(DecodeRaw(message, kGray).image, cv::Mat(40, 64, CV_8UC1, cv::Scalar(y))), 0)
+        << encoding;
+    message.data = message.data.first(message.data.size() / 2);
+    EXPECT_EQ(DecodeRaw(message, kColor).fault, ImageFault::kDamaged) << encoding;
+  }
+}
+
+TEST(RawImages, EncodingsAreSpelledAnyhowAndAStepMayBeMissing) {
+  const cv::Mat bgr = Scene(3);
+  cv::Mat bgra;
+  cv::cvtColor(bgr, bgra, cv::COLOR_BGR2BGRA);
+  EXPECT_EQ(MaxDifference(DecodeRaw(MessageOf(bgr, "BGR8"), kColor).image, bgr), 0);
+  EXPECT_EQ(MaxDifference(DecodeRaw(MessageOf(bgra, "8UC4"), kColor).image, bgr), 0);
+  ImageMessage message = MessageOf(bgr, "bgr8");
+  message.step = 0;
+  EXPECT_EQ(MaxDifference(DecodeRaw(message, kColor).image, bgr), 0);
+}
+
 TEST(RawImages, EachBayerPatternGivesBackItsColors) {
   const cv::Mat bgr(16, 16, CV_8UC3, cv::Scalar(200, 120, 40));  // blue, green, red
   const std::pair<std::string, std::string> patterns[] = {{"bayer_rggb8", "rggb"},
