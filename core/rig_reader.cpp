@@ -170,6 +170,7 @@ std::vector<std::string> CameraNames(const YamlNode& chain) {
   }
   std::sort(numbered.begin(), numbered.end());
   std::vector<std::string> names;
+  names.reserve(numbered.size());
   for (const auto& [number, name] : numbered) names.push_back(name);
   return names;
 }

@@ -14,9 +14,9 @@ namespace parkade {
 
 /// A node of a YAML file that knows where it is, so that every error names file and key in one
 /// sentence. Private to core/rig_*.cpp. All functions throw Error{kInvalidInput}.
-class YamlNode {
+class YamlNode {  // NOLINT(bugprone-exception-escape): a copy of yaml-cpp's node may throw
  public:
-  YamlNode(YAML::Node node, std::string where) : node_(std::move(node)), where_(std::move(where)) {}
+  YamlNode(const YAML::Node& node, std::string where) : node_(node), where_(std::move(where)) {}
 
   bool Has(const std::string& key) const;
   YamlNode At(const std::string& key) const;

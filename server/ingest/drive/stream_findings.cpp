@@ -93,7 +93,7 @@ Finding NoImages(const std::vector<Finding>& cameras) {
   finding.sentence = "no image of the log can be used: " + finding.sentence;
   if (cameras.size() > 1)
     finding.sentence +=
-        ", and likewise " + (cameras.size() == 2
+        ", and so with " + (cameras.size() == 2
                                  ? "the other camera"
                                  : "the " + std::to_string(cameras.size() - 1) + " others");
   return finding;

@@ -65,7 +65,7 @@ TEST(GnssDoubts, NameWhatFixesLookLike) {
     fix.latitude_deg = 48.2;
     fix.longitude_deg = 11.6;
   };
-  EXPECT_NE(Doubt(frozen).find("stay at one spot while the car drives 5"), std::string::npos)
+  EXPECT_NE(Doubt(frozen).find("stay at one spot while the car drives 46 m"), std::string::npos)
       << Doubt(frozen);
   const auto elsewhere = [](GnssFix& fix, int i) { fix.latitude_deg += 1e-5 * ((i * 37) % 50); };
   EXPECT_NE(Doubt(elsewhere).find("contradict the trajectory, most of them"), std::string::npos)

@@ -120,12 +120,14 @@ TEST_F(ReviewedJoin, AForcedPairThatWasNotFoundIsMeasuredAndJoinsTheDrives) {
 }
 
 TEST_F(ReviewedJoin, APairThatShowsNothingInCommonCannotBeForced) {
-  const LinkReview apart{{}, {"a:0~b:19"}}, nowhere{{}, {"a:0~b:999"}};
-  const DriveJoin before = Join({});
-  for (const LinkReview& review : {apart, nowhere}) {
-    const DriveJoin join = Join(review);
-    EXPECT_EQ(join.pairs[0].found.links.size(), before.pairs[0].found.links.size());
-    EXPECT_THROW(RequireLinks(review, names_, join.pairs), Error);
+  const WorldDrive elsewhere = DriveWorld({.seed = 9}).Drive(2);
+  for (const char* link : {"a:3~b:3", "a:0~b:999"}) {
+    const LinkReview review{{}, {link}};
+    const DriveJoin join =
+        JoinDrives({a_.drive, elsewhere.drive}, {}, {}, {}, ReviewedLinks(review, names_));
+    EXPECT_EQ(join.pairs[0].found.links.size(), 0u) << link;
+    EXPECT_NE(join.drives[1].left_out, "") << link;
+    EXPECT_THROW(RequireLinks(review, names_, join.pairs), Error) << link;
   }
 }
 
