@@ -32,7 +32,7 @@ interface Events {
   frame: () => void; // something was drawn
 }
 
-const kMargin = 1.15; // around what is looked at
+const kMargin = 1.08; // around what is looked at
 const kNearest = 5; // [m] from which all is looked at
 const kSteady = 4; // [px] by which a pointer may move in a click
 const kKeyStep = 40; // [px] by which an arrow key moves the map

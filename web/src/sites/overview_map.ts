@@ -146,9 +146,12 @@ export class OverviewMap {
       this.map.setLayoutProperty('grid', 'visibility', 'none'); // it stands in for a basemap
       onfault('');
     });
-    // No event says that none came.
+    // No event says that none came, and without a tile no frame is drawn either.
     this.basemapWatch = setInterval(() => {
-      if (this.map.areTilesLoaded()) onfault(fault || 'it has no tiles of this place');
+      if (!this.map.areTilesLoaded()) return;
+      clearInterval(this.basemapWatch);
+      onfault(fault || 'it has no tiles of this place');
+      this.map.triggerRepaint();
     }, kPatience);
   }
 

@@ -5,7 +5,7 @@ import { watchEvents, type EventKind } from '../api/events';
 export class Live<Value> {
   value: Value | undefined = $state.raw(undefined);
   error: string = $state('');
-  private isAsking = false;
+  private asking: Promise<void> | null = null;
   private isWanted = false;
 
   /** To be made while a component is: it ends with that. `read` must not depend on state. */
@@ -19,11 +19,17 @@ export class Live<Value> {
     });
   }
 
-  /** Events come in bursts: one question at a time, and one more where any came meanwhile. */
-  async refresh(): Promise<void> {
+  /**
+   * Events come in bursts: one question at a time, and one more where any came meanwhile. Whoever waits has an answer
+   * to a question that was asked after this call.
+   */
+  refresh(): Promise<void> {
     this.isWanted = true;
-    if (this.isAsking) return;
-    this.isAsking = true;
+    this.asking ??= this.ask();
+    return this.asking;
+  }
+
+  private async ask(): Promise<void> {
     while (this.isWanted) {
       this.isWanted = false;
       try {
@@ -33,6 +39,6 @@ export class Live<Value> {
         this.error = error instanceof Error ? error.message : String(error);
       }
     }
-    this.isAsking = false;
+    this.asking = null;
   }
 }
