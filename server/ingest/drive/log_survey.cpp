@@ -154,6 +154,7 @@ LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> strea
   survey.health = arrivals.health();
   survey.damage = arrivals.damage();
   std::vector<std::string> undecodable;
+  undecodable.reserve(images.size());
   for (const ImageSurvey& image : images) undecodable.push_back(image.fault());
   Add(FindLosses(survey.streams, survey.health, undecodable), survey);
   const std::vector<Finding> found =

@@ -111,7 +111,7 @@ Rig FindRig(const MessageSource& source, const fs::path& rig_folder) {
 }
 
 std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
-    std::shared_ptr<const MessageSource> source, const fs::path& name,
+    const std::shared_ptr<const MessageSource>& source, const fs::path& name,
     const OpenLogOptions& options) {
   Rig rig = WithCameras(FindRig(*source, options.rig_folder), options.cameras);
   StreamSelection selection = SelectStreams(*source, rig, options.use_wheels, options.use_gnss);
@@ -147,9 +147,9 @@ std::unique_ptr<RecordedDrive> OpenDriveLog(const fs::path& log, const OpenLogOp
   return OpenDriveLog(OpenLogSource(log, options.scratch_folder), log, options);
 }
 
-std::unique_ptr<RecordedDrive> OpenDriveLog(std::shared_ptr<const MessageSource> source,
+std::unique_ptr<RecordedDrive> OpenDriveLog(const std::shared_ptr<const MessageSource>& source,
                                             const fs::path& name, const OpenLogOptions& options) {
-  return std::move(OpenDriveLogs(std::move(source), name, options).front());
+  return std::move(OpenDriveLogs(source, name, options).front());
 }
 
 }  // namespace parkade

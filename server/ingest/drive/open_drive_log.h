@@ -34,7 +34,7 @@ std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(const std::filesystem:
 
 /// The same for a log that is open already; `name` may be a file name.
 std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
-    std::shared_ptr<const MessageSource> source, const std::filesystem::path& name,
+    const std::shared_ptr<const MessageSource>& source, const std::filesystem::path& name,
     const OpenLogOptions& options);
 
 /// Opens a recorded drive, the longest of the log: a ROS 1 bag, MCAP, rosbag2 (file or folder),
@@ -48,7 +48,7 @@ std::unique_ptr<RecordedDrive> OpenDriveLog(const std::filesystem::path& log,
                                             const OpenLogOptions& options = {});
 
 /// The same for a log that is open already; `name` may be a file name.
-std::unique_ptr<RecordedDrive> OpenDriveLog(std::shared_ptr<const MessageSource> source,
+std::unique_ptr<RecordedDrive> OpenDriveLog(const std::shared_ptr<const MessageSource>& source,
                                             const std::filesystem::path& name,
                                             const OpenLogOptions& options);
 
