@@ -94,8 +94,8 @@ Finding NoImages(const std::vector<Finding>& cameras) {
   if (cameras.size() > 1)
     finding.sentence +=
         ", and so with " + (cameras.size() == 2
-                                 ? "the other camera"
-                                 : "the " + std::to_string(cameras.size() - 1) + " others");
+                                ? "the other camera"
+                                : "the " + std::to_string(cameras.size() - 1) + " others");
   return finding;
 }
 
