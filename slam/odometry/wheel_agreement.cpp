@@ -14,9 +14,9 @@ constexpr int kMinMoving = 20;     // samples
 constexpr double kMaxScale = 1.2;  // and one over it
 constexpr double kMaxError = 0.15;
 constexpr double kSureCorrelation = 0.97;
-constexpr double kMaxDelay = 0.6;   // [s]
-constexpr double kMinDelay = 0.08;  // [s] less costs little
-constexpr double kDelayStep = 0.02;
+constexpr int kMaxDelaySteps = 30;
+constexpr double kMinDelay = 0.08;   // [s] less costs little
+constexpr double kDelayStep = 0.02;  // [s]
 
 /// [m/s] of the body along its x axis at a time, by the two states around it.
 std::optional<double> ForwardSpeed(const std::vector<TrajectoryState>& states, Timestamp time,
@@ -127,8 +127,8 @@ WheelAgreement CompareWheels(const Trajectory& odom_from_body,
   if (agreement.num_moving < kMinMoving) return agreement;
   // A car that drives evenly shows no delay: only what makes a difference is one.
   WheelAgreement best = agreement;
-  for (double delay = -kMaxDelay; delay <= kMaxDelay; delay += kDelayStep) {
-    const WheelAgreement delayed = CompareAt(delay, odom_from_body, wheels);
+  for (int step = -kMaxDelaySteps; step <= kMaxDelaySteps; ++step) {
+    const WheelAgreement delayed = CompareAt(step * kDelayStep, odom_from_body, wheels);
     if (delayed.error < best.error) best = delayed;
   }
   if (std::abs(best.delay) > kMinDelay && agreement.error > 2 * best.error + 0.01) return best;

@@ -153,17 +153,12 @@ DecodedImage DecodePng(std::span<const std::uint8_t> data, const ImageRequest& r
   }
   if (image.empty()) return Damaged("PNG: damaged data");
   image = WithEightBits(image, request.sample_bits);
-  DecodedImage decoded;
-  if (image.channels() == 1) {
-    decoded.image = image;
-  } else if (request.grayscale) {
-    cv::cvtColor(image, decoded.image,
-                 image.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
-  } else if (image.channels() == 4) {
+  DecodedImage decoded{image, {}, {}};
+  const int channels = image.channels();
+  if (channels > 1 && request.grayscale)
+    cv::cvtColor(image, decoded.image, channels == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
+  else if (channels == 4)
     cv::cvtColor(image, decoded.image, cv::COLOR_BGRA2BGR);
-  } else {
-    decoded.image = image;
-  }
   return decoded;
 }
 
@@ -236,7 +231,7 @@ std::optional<int> SampleBits(const RawMessage& message, const SensorStream& str
   if (!view) return std::nullopt;
   double max = 0;
   cv::minMaxLoc(image.is_bigendian ? WithSwappedBytes(*view) : *view, nullptr, &max);
-  const int width = std::bit_width(static_cast<unsigned>(max));
+  const auto width = static_cast<int>(std::bit_width(static_cast<unsigned>(max)));
   return std::clamp((width + 1) / 2 * 2, 8, 16);
 }
 
