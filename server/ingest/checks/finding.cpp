@@ -55,6 +55,13 @@ std::vector<std::string> TextsOf(const std::vector<Finding>& findings, Severity 
   return texts;
 }
 
+std::vector<std::string> WarningsOf(const std::vector<Finding>& findings) {
+  std::vector<std::string> texts = TextsOf(findings, Severity::kWarning);
+  const std::vector<std::string> notes = TextsOf(findings, Severity::kNote);
+  texts.insert(texts.end(), notes.begin(), notes.end());
+  return texts;
+}
+
 void RequireUsable(const std::vector<Finding>& findings) {
   std::string all;
   for (const std::string& text : TextsOf(findings, Severity::kUnusable))

@@ -38,6 +38,9 @@ nlohmann::json ToJson(const std::vector<Finding>& findings);
 /// The texts of those of a severity.
 std::vector<std::string> TextsOf(const std::vector<Finding>& findings, Severity severity);
 
+/// The texts of all that a map can be made in spite of, warnings before notes.
+std::vector<std::string> WarningsOf(const std::vector<Finding>& findings);
+
 /// Throws Error{kInvalidInput} with the texts of those that make a log unusable, if there are any.
 void RequireUsable(const std::vector<Finding>& findings);
 

@@ -31,13 +31,6 @@ void StreamHealth::Include(Timestamp time) {
   span.Include(time);
 }
 
-std::vector<std::string> DriveLogHealth::Warnings(bool with_notes) const {
-  std::vector<std::string> texts = TextsOf(findings, Severity::kWarning);
-  if (with_notes)
-    for (std::string& note : TextsOf(findings, Severity::kNote)) texts.push_back(std::move(note));
-  return texts;
-}
-
 nlohmann::json HealthToJson(const DriveLogHealth& health) {
   nlohmann::json streams = nlohmann::json::array();
   for (const StreamHealth& stream : health.streams) {

@@ -57,8 +57,7 @@ struct DriveLogHealth {
   DamageReport damage;            ///< of the container
   std::vector<Finding> findings;  ///< none that makes it unusable
 
-  /// The findings in words, but for mere notes where `with_notes` is false.
-  std::vector<std::string> Warnings(bool with_notes = true) const;
+  std::vector<std::string> Warnings() const { return WarningsOf(findings); }
 };
 
 nlohmann::json HealthToJson(const DriveLogHealth& health);

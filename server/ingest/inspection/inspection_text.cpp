@@ -156,13 +156,6 @@ nlohmann::json ToJson(const Rig& rig) {
       {"imu", rig.imu.topic}, {"has_body_frame", rig.vehicle.has_value()}, {"cameras", cameras}};
 }
 
-/// All findings in words, as older programs read them.
-std::vector<std::string> WarningsOf(const LogInspection& log) {
-  std::vector<std::string> texts = TextsOf(log.findings, Severity::kWarning);
-  for (std::string& note : TextsOf(log.findings, Severity::kNote)) texts.push_back(std::move(note));
-  return texts;
-}
-
 }  // namespace
 
 std::string InspectionToText(const LogInspection& log) {
@@ -204,7 +197,7 @@ nlohmann::json InspectionToJson(const LogInspection& log) {
                          {"rig", nullptr},
                          {"missing", log.missing},
                          {"findings", ToJson(log.findings)},
-                         {"warnings", WarningsOf(log)},
+                         {"warnings", WarningsOf(log.findings)},
                          {"state", NameOf(log.state)},
                          {"exit_status", log.ExitStatus()}};
   if (!log.span.IsEmpty()) {
