@@ -1,10 +1,8 @@
 #include "server/http/json_response.h"
 
 #include <charconv>
-#include <sstream>
 
 #include "core/error.h"
-#include "server/store/review/review.h"
 
 namespace parkade {
 namespace {
@@ -50,13 +48,6 @@ Page PageOf(const httplib::Request& request) {
     page.before = *before;
   }
   return page;
-}
-
-std::vector<ReviewState> ReviewStatesOf(const httplib::Request& request) {
-  std::vector<ReviewState> states;
-  std::istringstream words(QueryParameter(request, "review_state").value_or(""));
-  for (std::string word; std::getline(words, word, ',');) states.push_back(ParseReviewState(word));
-  return states;
 }
 
 std::string ReadBody(const httplib::ContentReader& body, size_t max_bytes) {

@@ -19,10 +19,6 @@ std::optional<std::string> QueryParameter(const httplib::Request& request, const
 /// Error{kInvalidInput} for others.
 Page PageOf(const httplib::Request& request);
 
-/// The states that the parameter `review_state` names, with commas between; empty where it is
-/// absent. Throws Error{kInvalidInput} for other words.
-std::vector<ReviewState> ReviewStatesOf(const httplib::Request& request);
-
 /// Sends {"items": [...], "next_cursor": "..." or null}. `rows` were asked for
 /// with one more than `page.limit`, to see whether anything follows.
 template <typename Row, typename Convert>

@@ -1,5 +1,8 @@
 #include "server/http/routes/review_view.h"
 
+#include <sstream>
+
+#include "server/http/json_response.h"
 #include "server/store/review/measurements.h"
 
 namespace parkade {
@@ -110,6 +113,13 @@ Json ToJson(const ReviewStatus& status) {
                {"history", Json::array()}};
   for (const ReviewEntry& entry : status.history) json["history"].push_back(ToJson(entry));
   return json;
+}
+
+std::vector<ReviewState> ReviewStatesOf(const httplib::Request& request) {
+  std::vector<ReviewState> states;
+  std::istringstream words(QueryParameter(request, "review_state").value_or(""));
+  for (std::string word; std::getline(words, word, ',');) states.push_back(ParseReviewState(word));
+  return states;
 }
 
 }  // namespace parkade

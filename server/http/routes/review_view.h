@@ -1,5 +1,9 @@
 #pragma once
 
+#include <httplib.h>
+
+#include <vector>
+
 #include "server/http/json_view.h"
 #include "server/store/review/checklist.h"
 #include "server/store/review/review.h"
@@ -23,5 +27,9 @@ Json ToJson(const Delivery& delivery);
 
 /// State, counts and the page of the history that the status holds.
 Json ToJson(const ReviewStatus& status);
+
+/// The states that the parameter `review_state` names, with commas between; empty where it is
+/// absent. Throws Error{kInvalidInput} for other words.
+std::vector<ReviewState> ReviewStatesOf(const httplib::Request& request);
 
 }  // namespace parkade

@@ -1,6 +1,7 @@
 #include "core/error.h"
 #include "server/http/json_response.h"
 #include "server/http/routes/json_body.h"
+#include "server/http/routes/review_view.h"
 #include "server/http/routes/routes.h"
 #include "server/store/review/site_settings.h"
 #include "server/store/tables/names.h"
