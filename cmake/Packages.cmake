@@ -19,6 +19,9 @@ find_package(CURL 7.87 REQUIRED)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(lz4 REQUIRED IMPORTED_TARGET liblz4)
 pkg_check_modules(turbojpeg REQUIRED IMPORTED_TARGET libjpeg)
+if(PARKADE_VIDEO)
+  pkg_check_modules(avcodec REQUIRED IMPORTED_TARGET libavcodec libavutil libswscale)
+endif()
 pkg_check_modules(geographiclib REQUIRED IMPORTED_TARGET geographiclib)
 # The -D flags of Debian's compiled cpp-httplib decide its class layout: only
 # pkg-config knows them.

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Feeds what comes from outside with damaged bytes (libFuzzer, ASan); fails on a crash, a leak or a hang.
 #   scripts/fuzz.sh [--seconds S] [--runs N] [NAME...]   for each fuzzer: default 60 s, at most N runs
-# Fuzzers (tests/fuzz): log (any kind), bag, mcap; cdr (messages), rig; head, range, tus, json (requests).
+# Fuzzers (tests/fuzz): log (any kind), bag, mcap; cdr (messages), video, rig; head, range, tus, json (requests).
 # Begins with small logs and requests, and with what earlier runs found (build/fuzz/corpus/NAME). An
 # input that fails stays in build/fuzz.
 set -euo pipefail
@@ -16,7 +16,7 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
-if [ ${#names[@]} -eq 0 ]; then names=(log bag mcap cdr rig head range tus json); fi
+if [ ${#names[@]} -eq 0 ]; then names=(log bag mcap cdr rig video head range tus json); fi
 
 folder=build/fuzz
 mkdir -p "$folder"

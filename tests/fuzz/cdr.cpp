@@ -9,7 +9,7 @@ namespace {
 using Decoder = void (*)(std::span<const std::uint8_t>, MessageEncoding);
 
 constexpr Decoder kDecoders[] = {
-    [](auto data, MessageEncoding encoding) { DecodeHeader(data, encoding); },
+    [](auto data, MessageEncoding encoding) { DecodeHeader(data, encoding, "sensor_msgs/Imu"); },
     [](auto data, MessageEncoding encoding) { DecodeImu(data, encoding); },
     [](auto data, MessageEncoding encoding) {
       DecodeOdometry(data, encoding, "nav_msgs/Odometry");
@@ -21,7 +21,9 @@ constexpr Decoder kDecoders[] = {
     [](auto data, MessageEncoding encoding) { DecodeCameraInfo(data, encoding); },
     [](auto data, MessageEncoding encoding) { DecodeTransforms(data, encoding); },
     [](auto data, MessageEncoding encoding) { DecodeImage(data, encoding); },
-    [](auto data, MessageEncoding encoding) { DecodeCompressedImage(data, encoding); }};
+    [](auto data, MessageEncoding encoding) {
+      DecodeCompressedImage(data, encoding, "sensor_msgs/CompressedImage");
+    }};
 
 }  // namespace
 }  // namespace parkade

@@ -29,7 +29,8 @@ ArrivalStream::ArrivalStream(const MessageSource& source, const std::vector<Sens
       stretch_(stretch),
       num_taken_(streams.size(), 0),
       run_(streams.size(), 0),
-      stream_of_topic_(source.topics().size(), -1) {
+      stream_of_topic_(source.topics().size(), -1),
+      images_(streams.size()) {
   std::vector<bool> wanted_topics(source.topics().size(), false);
   for (std::size_t i = 0; i < streams_.size(); ++i) {
     const bool is_imu = streams_[i].kind == StreamKind::kImu;
@@ -74,15 +75,17 @@ void ArrivalStream::Take(RawMessage message) {
   if (stream < 0) return;
   StreamHealth& health = health_[static_cast<std::size_t>(stream)];
   const ClockRun run = NextRun(static_cast<std::size_t>(stream));
-  if (run.stretch != stretch_) return;
+  // An image of another stretch may be what those of a video refer to.
+  const bool is_image = streams_[static_cast<std::size_t>(stream)].camera >= 0;
+  if (run.stretch != stretch_ && !is_image) return;
   std::optional<Arrival> arrival;
   try {
     arrival = Decode(std::move(message), stream);
   } catch (const Error&) {
-    ++health.Dropped(DropReason::kDamaged);
+    if (run.stretch == stretch_) ++health.Dropped(DropReason::kDamaged);
     return;
   }
-  if (!arrival) return;
+  if (!arrival || run.stretch != stretch_) return;
   if (IsTime(arrival->time)) arrival->time = arrival->time + run.correction;
   if (!IsTime(arrival->time)) {
     ++health.Dropped(DropReason::kOffClock);
@@ -127,9 +130,9 @@ std::optional<Arrival> ArrivalStream::Decode(RawMessage message, int index) {
     case StreamKind::kImage:
     case StreamKind::kSemantic: break;
   }
-  const Timestamp time = StampOf(message, stream.encoding);
+  const Timestamp time = StampOf(message, stream.encoding, stream.type);
   return Arrival{IsTime(time) ? time + stream.time_shift : time, index,
-                 EncodedImage{std::move(message)}};
+                 images_[static_cast<std::size_t>(index)].Take(std::move(message), stream)};
 }
 
 }  // namespace parkade

@@ -54,6 +54,7 @@ class ArrivalStream {
   std::vector<TimestampFilter> guards_;
   std::vector<StreamHealth> health_;
   WheelReader wheel_reader_;
+  std::vector<ImageIntake> images_;  ///< per stream
   std::optional<Timestamp> imu_front_;
   std::deque<Arrival> ready_;
   bool is_finished_ = false;

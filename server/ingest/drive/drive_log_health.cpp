@@ -15,6 +15,7 @@ const char* NameOf(DropReason reason) {
     case DropReason::kNoFix: return "no_fix";
     case DropReason::kLate: return "late";
     case DropReason::kWrongSize: return "wrong_size";
+    case DropReason::kWaitsForKeyFrame: return "waits_for_key_frame";
   }
   return "unknown";
 }

@@ -14,16 +14,17 @@ namespace parkade {
 
 /// Why a record did not reach the estimator.
 enum class DropReason {
-  kDamaged,        ///< the message or the image cannot be decoded
-  kRepeated,       ///< same stamp as the record before
-  kBackwardStamp,  ///< stamp before that of the record before
-  kOffClock,       ///< stamp far from the IMU's clock, or a lone jump
-  kNotFinite,      ///< NaN, infinite or out of any sensor's range
-  kNoFix,          ///< GNSS without a position
-  kLate,           ///< further behind the other streams than the reordering window
-  kWrongSize,      ///< image of another size than calibrated
+  kDamaged,           ///< the message or the image cannot be decoded
+  kRepeated,          ///< same stamp as the record before
+  kBackwardStamp,     ///< stamp before that of the record before
+  kOffClock,          ///< stamp far from the IMU's clock, or a lone jump
+  kNotFinite,         ///< NaN, infinite or out of any sensor's range
+  kNoFix,             ///< GNSS without a position
+  kLate,              ///< further behind the other streams than the reordering window
+  kWrongSize,         ///< image of another size than calibrated
+  kWaitsForKeyFrame,  ///< image of a video before the first that can be decoded by itself
 };
-inline constexpr std::size_t kNumDropReasons = 8;
+inline constexpr std::size_t kNumDropReasons = 9;
 
 /// "damaged", "repeated", "backward_stamp", ...
 const char* NameOf(DropReason reason);

@@ -2,7 +2,6 @@
 
 #include "server/ingest/drive/decode_ahead.h"
 #include "server/ingest/drive/recorded_drive_parts.h"
-#include "server/ingest/messages/image_decoding.h"
 
 namespace parkade {
 namespace {
@@ -46,14 +45,18 @@ DecodedArrival DecodeArrival(const RecordedDriveParts& parts, Arrival arrival, b
         } else {
           const RigCamera& camera = parts.rig.cameras[static_cast<std::size_t>(stream.camera)];
           const bool is_mask = stream.kind == StreamKind::kSemantic;
-          const DecodedImage decoded = DecodeMessageImage(content.message, stream,
-                                                          {.width = camera.model.width(),
-                                                           .height = camera.model.height(),
-                                                           .grayscale = grayscale || is_mask,
-                                                           .sample_bits = stream.sample_bits});
-          if (decoded.fault == ImageFault::kWrongSize)
-            return {std::nullopt, DropReason::kWrongSize};
-          if (decoded.fault == ImageFault::kDamaged) return {std::nullopt, DropReason::kDamaged};
+          const DecodedImage decoded = DecodeEncoded(content, stream,
+                                                     {.width = camera.model.width(),
+                                                      .height = camera.model.height(),
+                                                      .grayscale = grayscale || is_mask,
+                                                      .sample_bits = stream.sample_bits});
+          switch (decoded.fault) {
+            case ImageFault::kNone: break;
+            case ImageFault::kDamaged: return {std::nullopt, DropReason::kDamaged};
+            case ImageFault::kWrongSize: return {std::nullopt, DropReason::kWrongSize};
+            case ImageFault::kWaitsForKeyFrame:
+              return {std::nullopt, DropReason::kWaitsForKeyFrame};
+          }
           if (is_mask) return {SemanticFrame{arrival.time, stream.camera, decoded.image}};
           return {CameraFrame{arrival.time, stream.camera, decoded.image}};
         }

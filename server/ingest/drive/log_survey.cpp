@@ -17,13 +17,13 @@ constexpr double kMaxReorderWindow = 2;  // [s]
 /// Looks at the images of one camera as they pass.
 class ImageSurvey {
  public:
-  void Include(const RawMessage& message, const SensorStream& stream, const RigCamera& camera) {
-    if (const std::optional<int> bits = SampleBits(message, stream))
+  void Include(const EncodedImage& image, const SensorStream& stream, const RigCamera& camera) {
+    if (const std::optional<int> bits = SampleBits(image.message, stream))
       sample_bits_ = std::max(sample_bits_, *bits);
     if (is_size_checked_ || num_tried_ == kMaxTries || stream.kind != StreamKind::kImage) return;
     ++num_tried_;
     const ImageRequest request{.width = camera.model.width(), .height = camera.model.height()};
-    const DecodedImage decoded = DecodeMessageImage(message, stream, request);
+    const DecodedImage decoded = DecodeEncoded(image, stream, request);
     Require(decoded.fault != ImageFault::kWrongSize, ErrorCode::kInvalidInput,
             "the rig does not fit the log: camera " + camera.name + ": " + decoded.what);
     is_size_checked_ = decoded.fault == ImageFault::kNone;
@@ -45,11 +45,11 @@ class ImageSurvey {
 
 void IncludeImage(const EncodedImage& image, Timestamp time, const SensorStream& stream,
                   const RigCamera& camera, CameraChecks& checks) {
-  const DecodedImage decoded = DecodeMessageImage(image.message, stream,
-                                                  {.width = camera.model.width(),
-                                                   .height = camera.model.height(),
-                                                   .grayscale = true,
-                                                   .sample_bits = stream.sample_bits});
+  const DecodedImage decoded = DecodeEncoded(image, stream,
+                                             {.width = camera.model.width(),
+                                              .height = camera.model.height(),
+                                              .grayscale = true,
+                                              .sample_bits = stream.sample_bits});
   if (decoded.fault == ImageFault::kNone) checks.IncludeImage(stream.camera, time, decoded.image);
 }
 
@@ -124,7 +124,7 @@ LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> strea
     if (const auto* image = std::get_if<EncodedImage>(&arrival->content)) {
       const SensorStream& stream = survey.streams[index];
       const RigCamera& camera = rig.cameras[static_cast<std::size_t>(stream.camera)];
-      images[index].Include(image->message, stream, camera);
+      images[index].Include(*image, stream, camera);
       if (stream.kind == StreamKind::kImage &&
           checks.cameras().WantsImage(stream.camera, arrival->time))
         IncludeImage(*image, arrival->time, stream, camera, checks.cameras());

@@ -98,7 +98,8 @@ class RigCollector {
   }
 
   void Include(const RawMessage& message) {
-    const MessageEncoding encoding = topics_[static_cast<std::size_t>(message.topic)].encoding;
+    const TopicInfo& topic = topics_[static_cast<std::size_t>(message.topic)];
+    const MessageEncoding encoding = topic.encoding;
     if (std::find(transform_topics_.begin(), transform_topics_.end(), message.topic) !=
         transform_topics_.end()) {
       for (const TransformMessage& transform : DecodeTransforms(message.data, encoding))
@@ -106,7 +107,7 @@ class RigCollector {
       has_news_ = true;
     }
     if (message.topic == imu_topic_) {
-      const MessageHeader header = DecodeHeader(message.data, encoding);
+      const MessageHeader header = DecodeHeader(message.data, encoding, topic.type);
       imu_frame_ = header.frame_id;
       if (imu_stamps_.size() < kEnoughStamps)
         imu_stamps_.push_back(header.stamp.ns == 0 ? message.log_time : header.stamp);
@@ -115,7 +116,7 @@ class RigCollector {
     for (CameraTopics& camera : cameras_) {
       const bool is_first_image = message.topic == camera.image_topic && !camera.frame;
       const bool is_first_info = message.topic == camera.info_topic && !camera.info;
-      if (is_first_image) camera.frame = DecodeHeader(message.data, encoding).frame_id;
+      if (is_first_image) camera.frame = DecodeHeader(message.data, encoding, topic.type).frame_id;
       if (is_first_info) camera.info = DecodeCameraInfo(message.data, encoding);
       has_news_ = has_news_ || is_first_image || is_first_info;
     }

@@ -51,10 +51,10 @@ bool IsSetBack(const StampSequence& sequence, std::size_t i) {
 }
 
 /// The log time where the message is damaged or its stamp is none.
-Timestamp StampOrLogTime(const RawMessage& message, MessageEncoding encoding) {
+Timestamp StampOrLogTime(const RawMessage& message, const SensorStream& stream) {
   constexpr std::int64_t kLatest = 4'300'000'000'000'000'000;
   try {
-    const Timestamp stamp = StampOf(message, encoding);
+    const Timestamp stamp = StampOf(message, stream.encoding, stream.type);
     return stamp.ns >= 0 && stamp.ns < kLatest ? stamp : message.log_time;
   } catch (const Error&) {
     return message.log_time;
@@ -83,7 +83,7 @@ std::vector<StampSequence> ReadStamps(const MessageSource& source,
   for (std::uint64_t order = 0; const std::optional<RawMessage> message = messages->Next();
        ++order) {
     const std::size_t i = stream_of_topic[static_cast<std::size_t>(message->topic)];
-    sequences[i].stamps.push_back(StampOrLogTime(*message, streams[i].encoding));
+    sequences[i].stamps.push_back(StampOrLogTime(*message, streams[i]));
     sequences[i].log_times.push_back(message->log_time);
     sequences[i].orders.push_back(order);
   }

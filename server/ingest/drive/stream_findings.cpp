@@ -29,6 +29,7 @@ std::string ReasonOf(DropReason reason) {
     case DropReason::kNoFix: return "hold no position";
     case DropReason::kLate: return "come too late in the log";
     case DropReason::kWrongSize: return "are of another size than calibrated";
+    case DropReason::kWaitsForKeyFrame: return "come before the first key frame of the video";
   }
   return "cannot be used";
 }

@@ -164,9 +164,12 @@ void AddCameras(const Selector& log, const Rig& rig, StreamSelection& selection)
 }  // namespace
 
 std::string_view PlainTopic(std::string_view topic) {
-  constexpr std::string_view kSuffix = "/compressed";
   if (topic.starts_with('/')) topic.remove_prefix(1);
-  if (topic.ends_with(kSuffix)) topic.remove_suffix(kSuffix.size());
+  for (const std::string_view suffix : {"/compressed", "/ffmpeg"}) {
+    if (!topic.ends_with(suffix)) continue;
+    topic.remove_suffix(suffix.size());
+    break;
+  }
   return topic;
 }
 

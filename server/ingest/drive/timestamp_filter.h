@@ -6,15 +6,10 @@
 #include <vector>
 
 #include "core/drive_log.h"
-#include "server/ingest/containers/raw_message.h"
 #include "server/ingest/drive/drive_log_health.h"
+#include "server/ingest/video/encoded_image.h"
 
 namespace parkade {
-
-/// An image as it lies in the log: encoded bytes of a message, or the path of a file.
-struct EncodedImage {
-  RawMessage message;
-};
 
 /// A record of one stream, on the IMU's clock, before images are decoded.
 struct Arrival {

@@ -6,6 +6,7 @@
 #include "server/ingest/drive/open_drive_log.h"
 #include "server/ingest/messages/image_decoding.h"
 #include "server/ingest/messages/message_decoding.h"
+#include "server/ingest/video/encoded_image.h"
 
 namespace parkade {
 namespace {
@@ -16,19 +17,24 @@ namespace fs = std::filesystem;
 class ImageBatch {
  public:
   ImageBatch(const std::vector<TopicInfo>& topics, std::vector<TopicInspector>& inspectors)
-      : topics_(topics), inspectors_(inspectors), histories_(topics.size()) {}
+      : topics_(topics),
+        inspectors_(inspectors),
+        intakes_(topics.size()),
+        histories_(topics.size()) {}
 
   void Add(RawMessage message, Timestamp time) {
     num_bytes_ += message.data.size();
-    const bool is_sampled = histories_[static_cast<std::size_t>(message.topic)].WantsSample(time);
-    images_.push_back({std::move(message), time, is_sampled});
+    const auto topic = static_cast<std::size_t>(message.topic);
+    const bool is_sampled = histories_[topic].WantsSample(time);
+    images_.push_back(
+        {intakes_[topic].Take(std::move(message), StreamOf(topic)), topic, time, is_sampled});
     if (images_.size() >= kMaxImages || num_bytes_ >= kMaxBytes) Flush();
   }
 
   void Flush() {
     const auto found = ParallelMap(images_.size(), [&](std::size_t i) { return Look(images_[i]); });
     for (std::size_t i = 0; i < images_.size(); ++i) {
-      const std::size_t topic = static_cast<std::size_t>(images_[i].message.topic);
+      const std::size_t topic = images_[i].topic;
       if (found[i].fault.empty()) {
         inspectors_[topic].IncludeImage(images_[i].time, found[i].width, found[i].height);
         histories_[topic].Include(images_[i].time, found[i].glance, found[i].sample);
@@ -61,7 +67,8 @@ class ImageBatch {
   static constexpr std::size_t kMaxImages = 64, kMaxBytes = 48 << 20;
 
   struct Image {
-    RawMessage message;
+    EncodedImage encoded;
+    std::size_t topic = 0;
     Timestamp time;
     bool is_sampled = false;
   };
@@ -75,18 +82,22 @@ class ImageBatch {
   /// Masks of drivable ground are no images: they may well be dark.
   static bool IsMaskTopic(const std::string& topic) { return topic.ends_with("/semantic"); }
 
-  Found Look(const Image& image) const {
-    const TopicInfo& topic = topics_[static_cast<std::size_t>(image.message.topic)];
+  SensorStream StreamOf(std::size_t topic) const {
     SensorStream stream;
-    stream.type = topic.type;
-    stream.encoding = topic.encoding;
-    DecodedImage decoded = DecodeMessageImage(image.message, stream, {});
+    stream.type = topics_[topic].type;
+    stream.encoding = topics_[topic].encoding;
+    return stream;
+  }
+
+  Found Look(const Image& image) const {
+    const SensorStream stream = StreamOf(image.topic);
+    DecodedImage decoded = DecodeEncoded(image.encoded, stream, {});
     if (decoded.fault != ImageFault::kNone) return {0, 0, decoded.what, {}, {}};
     // Perhaps only 12 of 16 bits are in use: an image is not dark for that.
-    if (const std::optional<int> bits = SampleBits(image.message, stream))
-      decoded = DecodeMessageImage(image.message, stream, {.sample_bits = *bits});
+    if (const std::optional<int> bits = SampleBits(image.encoded.message, stream))
+      decoded = DecodeEncoded(image.encoded, stream, {.sample_bits = *bits});
     Found found{decoded.image.cols, decoded.image.rows, "", {}, {}};
-    if (IsMaskTopic(topic.topic)) return found;
+    if (IsMaskTopic(topics_[image.topic].topic)) return found;
     found.glance = GlanceAt(decoded.image);
     if (image.is_sampled) found.sample = SampleOf(decoded.image);
     return found;
@@ -94,6 +105,7 @@ class ImageBatch {
 
   const std::vector<TopicInfo>& topics_;
   std::vector<TopicInspector>& inspectors_;
+  std::vector<ImageIntake> intakes_;     // by topic
   std::vector<ImageHistory> histories_;  // by topic
   std::vector<Image> images_;
   std::size_t num_bytes_ = 0;

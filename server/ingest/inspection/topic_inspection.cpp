@@ -30,8 +30,9 @@ void TopicInspector::IncludeMessage(const RawMessage& message) {
   try {
     Timestamp stamp = message.log_time;
     if (HasStamp(topic_.type) && topic_.encoding != MessageEncoding::kEuroc) {
-      stamp = StampOf(message, topic_.encoding);
-      if (DecodeHeader(message.data, topic_.encoding).stamp.ns == 0) ++found_.num_without_stamp;
+      stamp = StampOf(message, topic_.encoding, topic_.type);
+      if (DecodeHeader(message.data, topic_.encoding, topic_.type).stamp.ns == 0)
+        ++found_.num_without_stamp;
     }
     IncludeStamp(stamp);
     CheckContent(message);
@@ -83,8 +84,9 @@ void TopicInspector::CheckContent(const RawMessage& message) {
   } else if (found_.image_encoding.empty() && topic_.encoding != MessageEncoding::kEuroc) {
     if (topic_.type == "sensor_msgs/Image")
       found_.image_encoding = DecodeImage(message.data, topic_.encoding).encoding;
-    if (topic_.type == "sensor_msgs/CompressedImage")
-      found_.image_encoding = DecodeCompressedImage(message.data, topic_.encoding).format;
+    if (IsCompressedImageType(topic_.type))
+      found_.image_encoding =
+          DecodeCompressedImage(message.data, topic_.encoding, topic_.type).format;
   }
   if (is_plausible) return;
   ++found_.num_implausible;

@@ -14,7 +14,12 @@ struct ImageRequest {
 };
 
 /// Why there is no image.
-enum class ImageFault { kNone, kDamaged, kWrongSize };
+enum class ImageFault {
+  kNone,
+  kDamaged,
+  kWrongSize,
+  kWaitsForKeyFrame,  ///< of a video that was not recorded from its beginning
+};
 
 /// An image, or what is wrong with it.
 struct DecodedImage {

@@ -102,17 +102,6 @@ std::optional<cv::Mat> ViewOf(const ImageMessage& message, int type, std::size_t
                  const_cast<std::uint8_t*>(message.data.data()), step);
 }
 
-bool IsVideo(std::span<const std::uint8_t> data) {
-  constexpr std::array<std::uint8_t, 4> kStartCode = {0, 0, 0, 1};
-  return data.size() > 4 && (std::equal(kStartCode.begin(), kStartCode.end(), data.begin()) ||
-                             std::equal(kStartCode.begin() + 1, kStartCode.end(), data.begin()));
-}
-
-bool IsPng(std::span<const std::uint8_t> data) {
-  constexpr std::array<std::uint8_t, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  return data.size() >= 33 && std::equal(kSignature.begin(), kSignature.end(), data.begin());
-}
-
 std::uint32_t BigEndian32(std::span<const std::uint8_t> data) {
   return std::uint32_t{data[0]} << 24 | std::uint32_t{data[1]} << 16 | std::uint32_t{data[2]} << 8 |
          data[3];
@@ -168,11 +157,19 @@ std::filesystem::path PathOf(const RawMessage& message) {
 
 }  // namespace
 
+bool IsPng(std::span<const std::uint8_t> data) {
+  constexpr std::array<std::uint8_t, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  return data.size() >= 33 && std::equal(kSignature.begin(), kSignature.end(), data.begin());
+}
+
+bool IsJpeg(std::span<const std::uint8_t> data) {
+  return data.size() > 3 && data[0] == 0xff && data[1] == 0xd8;
+}
+
 DecodedImage DecodeCompressed(std::span<const std::uint8_t> data, const ImageRequest& request) {
   if (IsPng(data)) return DecodePng(data, request);
-  if (data.size() > 3 && data[0] == 0xff && data[1] == 0xd8) return DecodeJpeg(data, request);
-  return Damaged(IsVideo(data) ? "H.264 or H.265 video, which is not decoded: record JPEG"
-                               : "neither JPEG nor PNG");
+  if (IsJpeg(data)) return DecodeJpeg(data, request);
+  return Damaged("neither JPEG nor PNG");
 }
 
 DecodedImage DecodeRaw(const ImageMessage& message, const ImageRequest& request) {
@@ -214,7 +211,8 @@ DecodedImage DecodeMessageImage(const RawMessage& message, const SensorStream& s
     }
     if (stream.type == "sensor_msgs/Image")
       return DecodeRaw(DecodeImage(message.data, stream.encoding), request);
-    return DecodeCompressed(DecodeCompressedImage(message.data, stream.encoding).data, request);
+    return DecodeCompressed(DecodeCompressedImage(message.data, stream.encoding, stream.type).data,
+                            request);
   } catch (const Error& error) {
     return Damaged(error.what());
   } catch (const cv::Exception& error) {

@@ -13,6 +13,10 @@ namespace parkade {
 // None of these functions throws on bad data, and none allocates for an image larger than
 // requested. Thread-safe.
 
+// Whether bytes begin as such a file does.
+bool IsPng(std::span<const std::uint8_t> data);
+bool IsJpeg(std::span<const std::uint8_t> data);
+
 /// Decodes JPEG or PNG, recognized by content. A JPEG is damaged when the codec had to guess
 /// anything (see jpeg_decoding.h).
 DecodedImage DecodeCompressed(std::span<const std::uint8_t> data, const ImageRequest& request);
@@ -21,7 +25,8 @@ DecodedImage DecodeCompressed(std::span<const std::uint8_t> data, const ImageReq
 /// 16UC1.
 DecodedImage DecodeRaw(const ImageMessage& message, const ImageRequest& request);
 
-/// Decodes an image of a stream, whatever its type and encoding.
+/// Decodes an image of a stream, whatever its type and encoding; but none of a video (see
+/// video/encoded_image.h).
 DecodedImage DecodeMessageImage(const RawMessage& message, const SensorStream& stream,
                                 const ImageRequest& request);
 

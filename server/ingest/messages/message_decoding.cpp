@@ -18,15 +18,23 @@ auto WithReader(std::span<const std::uint8_t> data, MessageEncoding encoding, co
   return walk(reader);
 }
 
+constexpr const char* kFoxgloveVideo = "foxglove_msgs/CompressedVideo";
+constexpr const char* kFfmpegPacket = "ffmpeg_image_transport_msgs/FFMPEGPacket";
+
 template <typename Reader>
-MessageHeader ReadHeader(Reader& reader) {
-  if constexpr (Reader::kHeaderHasSequence) reader.template Read<std::uint32_t>();
+MessageHeader ReadStampAndFrame(Reader& reader) {
   MessageHeader header;
   const auto seconds = reader.template Read<std::uint32_t>();
   const auto nanoseconds = reader.template Read<std::uint32_t>();
   header.stamp.ns = static_cast<std::int64_t>(seconds) * 1'000'000'000 + nanoseconds;
   header.frame_id = reader.ReadString();
   return header;
+}
+
+template <typename Reader>
+MessageHeader ReadHeader(Reader& reader) {
+  if constexpr (Reader::kHeaderHasSequence) reader.template Read<std::uint32_t>();
+  return ReadStampAndFrame(reader);
 }
 
 template <typename Reader>
@@ -56,7 +64,11 @@ Rigid3 ReadRigid3(Reader& reader) {
 }  // namespace
 
 bool IsImageType(const std::string& type) {
-  return type == "sensor_msgs/Image" || type == "sensor_msgs/CompressedImage";
+  return type == "sensor_msgs/Image" || IsCompressedImageType(type);
+}
+
+bool IsCompressedImageType(const std::string& type) {
+  return type == "sensor_msgs/CompressedImage" || type == kFoxgloveVideo || type == kFfmpegPacket;
 }
 
 bool IsWheelType(const std::string& type) {
@@ -64,8 +76,11 @@ bool IsWheelType(const std::string& type) {
          type == "geometry_msgs/TwistWithCovarianceStamped";
 }
 
-MessageHeader DecodeHeader(std::span<const std::uint8_t> data, MessageEncoding encoding) {
-  return WithReader(data, encoding, [](auto& reader) { return ReadHeader(reader); });
+MessageHeader DecodeHeader(std::span<const std::uint8_t> data, MessageEncoding encoding,
+                           const std::string& type) {
+  return WithReader(data, encoding, [&](auto& reader) {
+    return type == kFoxgloveVideo ? ReadStampAndFrame(reader) : ReadHeader(reader);
+  });
 }
 
 ImuMessage DecodeImu(std::span<const std::uint8_t> data, MessageEncoding encoding) {
@@ -161,11 +176,27 @@ ImageMessage DecodeImage(std::span<const std::uint8_t> data, MessageEncoding enc
 }
 
 CompressedImageMessage DecodeCompressedImage(std::span<const std::uint8_t> data,
-                                             MessageEncoding encoding) {
-  return WithReader(data, encoding, [](auto& reader) {
+                                             MessageEncoding encoding, const std::string& type) {
+  assert(IsCompressedImageType(type));
+  return WithReader(data, encoding, [&](auto& reader) {
     CompressedImageMessage message;
+    if (type == kFoxgloveVideo) {
+      message.header = ReadStampAndFrame(reader);
+      message.data = reader.ReadBytes();
+      message.format = reader.ReadString();
+      return message;
+    }
     message.header = ReadHeader(reader);
+    if (type == kFfmpegPacket) {
+      reader.template Read<std::int32_t>();  // width
+      reader.template Read<std::int32_t>();  // height
+    }
     message.format = reader.ReadString();
+    if (type == kFfmpegPacket) {
+      reader.template Read<std::uint64_t>();  // presentation time
+      reader.template Read<std::uint8_t>();   // flags
+      reader.template Read<std::uint8_t>();   // is_bigendian
+    }
     message.data = reader.ReadBytes();
     return message;
   });

@@ -69,15 +69,17 @@ struct ImageMessage {
   std::span<const std::uint8_t> data;
 };
 
-/// A sensor_msgs/CompressedImage. `data` points into the message.
+/// A message of one of the types of IsCompressedImageType. `data` points into the message.
 struct CompressedImageMessage {
   MessageHeader header;
-  std::string format;
+  std::string format;  ///< as the sender has it: "jpeg", "h264", "libx264"
   std::span<const std::uint8_t> data;
 };
 
-/// Decodes the header of any message that begins with a std_msgs/Header.
-MessageHeader DecodeHeader(std::span<const std::uint8_t> data, MessageEncoding encoding);
+/// Decodes the stamp and the frame of any message that begins with a std_msgs/Header, or with these
+/// two (foxglove_msgs).
+MessageHeader DecodeHeader(std::span<const std::uint8_t> data, MessageEncoding encoding,
+                           const std::string& type);
 
 ImuMessage DecodeImu(std::span<const std::uint8_t> data, MessageEncoding encoding);
 
@@ -90,10 +92,14 @@ CameraInfoMessage DecodeCameraInfo(std::span<const std::uint8_t> data, MessageEn
 std::vector<TransformMessage> DecodeTransforms(std::span<const std::uint8_t> data,
                                                MessageEncoding encoding);
 ImageMessage DecodeImage(std::span<const std::uint8_t> data, MessageEncoding encoding);
+/// `type` is one of IsCompressedImageType.
 CompressedImageMessage DecodeCompressedImage(std::span<const std::uint8_t> data,
-                                             MessageEncoding encoding);
+                                             MessageEncoding encoding, const std::string& type);
 
 bool IsImageType(const std::string& type);
+/// sensor_msgs/CompressedImage, foxglove_msgs/CompressedVideo and
+/// ffmpeg_image_transport_msgs/FFMPEGPacket.
+bool IsCompressedImageType(const std::string& type);
 bool IsWheelType(const std::string& type);
 
 }  // namespace parkade

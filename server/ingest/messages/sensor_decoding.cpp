@@ -56,14 +56,14 @@ Eigen::Vector3d SigmaOf(const NavSatMessage& message) {
 
 }  // namespace
 
-Timestamp StampOf(const RawMessage& message, MessageEncoding encoding) {
+Timestamp StampOf(const RawMessage& message, MessageEncoding encoding, const std::string& type) {
   if (encoding == MessageEncoding::kEuroc) return message.log_time;
-  const Timestamp stamp = DecodeHeader(message.data, encoding).stamp;
+  const Timestamp stamp = DecodeHeader(message.data, encoding, type).stamp;
   return stamp.ns == 0 ? message.log_time : stamp;
 }
 
 ImuSample ReadImuSample(const RawMessage& message, const SensorStream& stream) {
-  const Timestamp time = StampOf(message, stream.encoding);
+  const Timestamp time = StampOf(message, stream.encoding, stream.type);
   if (stream.encoding == MessageEncoding::kEuroc) {
     const std::vector<double> numbers = ReadEurocNumbers(message, 6);
     return {time, Eigen::Map<const Eigen::Vector3d>(numbers.data()),
@@ -74,7 +74,7 @@ ImuSample ReadImuSample(const RawMessage& message, const SensorStream& stream) {
 }
 
 std::optional<GnssFix> ReadGnssFix(const RawMessage& message, const SensorStream& stream) {
-  const Timestamp time = StampOf(message, stream.encoding);
+  const Timestamp time = StampOf(message, stream.encoding, stream.type);
   if (stream.encoding == MessageEncoding::kEuroc) return ReadEurocFix(message, time);
   const NavSatMessage fix = DecodeNavSat(message.data, stream.encoding);
   if (fix.status < 0 || IsNullIsland(fix.latitude_deg, fix.longitude_deg)) return std::nullopt;
@@ -94,7 +94,7 @@ OdometryMessage ReadOdometry(const RawMessage& message, const SensorStream& stre
 std::optional<WheelSample> WheelReader::Read(const RawMessage& message,
                                              const SensorStream& stream) {
   const OdometryMessage odometry = ReadOdometry(message, stream);
-  const Timestamp time = StampOf(message, stream.encoding);
+  const Timestamp time = StampOf(message, stream.encoding, stream.type);
   const std::optional<WheelSample> from_poses = FromPoses(time, odometry);
   if (odometry.linear.x() != 0 || odometry.angular.z() != 0) has_twist_ = true;
   if (odometry.has_pose) {

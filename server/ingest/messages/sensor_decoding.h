@@ -13,8 +13,8 @@ namespace parkade {
 // time shift). All throw Error{kInvalidInput} when the bytes do not hold the message. Nothing is
 // known to be finite: see IsPlausible.
 
-/// The message's header.stamp, or the log time where that is zero.
-Timestamp StampOf(const RawMessage& message, MessageEncoding encoding);
+/// The stamp of a message of this type, or the log time where that is zero.
+Timestamp StampOf(const RawMessage& message, MessageEncoding encoding, const std::string& type);
 
 ImuSample ReadImuSample(const RawMessage& message, const SensorStream& stream);
 

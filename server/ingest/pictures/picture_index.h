@@ -15,11 +15,18 @@ struct IndexedImage {
   MessagePlace place;
 };
 
+/// One message of a video, good image or not.
+struct IndexedPacket {
+  MessagePlace place;
+  bool is_key_frame = false, has_parameter_sets = false;
+};
+
 /// All good images of one camera.
 struct IndexedCamera {
   std::string name;
   SensorStream stream;
-  std::vector<IndexedImage> images;  ///< strictly increasing in time
+  std::vector<IndexedImage> images;    ///< strictly increasing in time
+  std::vector<IndexedPacket> packets;  ///< in the order of the log; empty where it is no video
 };
 
 /// Where each image of a log lies, so that one can be read without the others.
@@ -27,8 +34,8 @@ struct PictureIndex {
   std::vector<IndexedCamera> cameras;
 };
 
-/// Reads the log once, without decoding images. The stamps that a drive drops (TimestampFilter) are
-/// not in it. Throws Error{kInvalidInput} as SelectStreams does.
+/// Reads the log once, and videos twice, without decoding images. The stamps that a drive drops
+/// (TimestampFilter) are not in it. Throws Error{kInvalidInput} as SelectStreams does.
 PictureIndex IndexPictures(const MessageSource& source, const Rig& rig);
 
 /// JSON: {"cameras": [{"name", "time_shift" [s], "times": [ns, ...], ...}]}

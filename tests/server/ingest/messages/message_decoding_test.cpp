@@ -124,12 +124,16 @@ TEST_P(EachEncoding, ImagesAreViewedInPlace) {
   EXPECT_EQ(image.data[5], 6);
 
   const auto compressed = CompressedImageBytes(Writer(), kStamp, "cam", {9, 8, 7});
-  EXPECT_EQ(DecodeCompressedImage(compressed, encoding()).data[2], 7);
+  EXPECT_EQ(DecodeCompressedImage(compressed, encoding(), "sensor_msgs/CompressedImage").data[2],
+            7);
 }
 
 TEST_P(EachEncoding, AZeroStampGivesWayToTheLogTime) {
-  EXPECT_EQ(StampOf({0, Timestamp{77}, ImuBytes(Writer(), 0)}, encoding()).ns, 77);
-  EXPECT_EQ(StampOf({0, Timestamp{77}, ImuBytes(Writer(), kStamp)}, encoding()).ns, kStamp);
+  EXPECT_EQ(StampOf({0, Timestamp{77}, ImuBytes(Writer(), 0)}, encoding(), "sensor_msgs/Imu").ns,
+            77);
+  EXPECT_EQ(
+      StampOf({0, Timestamp{77}, ImuBytes(Writer(), kStamp)}, encoding(), "sensor_msgs/Imu").ns,
+      kStamp);
 }
 
 TEST_P(EachEncoding, AMessageCutAnywhereIsRefused) {
