@@ -12,10 +12,12 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "server/ingest/messages/jpeg_decoding.h"
+#include "server/ingest/messages/packed_samples.h"
 
 namespace parkade {
 namespace {
 
+constexpr const char* kTooFewBytes = "the image has fewer bytes than its size needs";
 constexpr std::size_t kMaxFileSize = std::size_t{128} << 20;
 
 DecodedImage Damaged(const std::string& what) { return {{}, ImageFault::kDamaged, what}; }
@@ -28,8 +30,14 @@ struct RawFormat {
 };
 
 /// Drivers spell encodings as they like.
-const RawFormat* FindFormat(std::string encoding) {
+std::string InSmallLetters(std::string encoding) {
   for (char& c : encoding) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return encoding;
+}
+
+/// Samples of 10 to 14 bits that are not packed have 16 in the message.
+const RawFormat* FindFormat(std::string encoding) {
+  encoding = InSmallLetters(std::move(encoding));
   static constexpr RawFormat kYuyv = {CV_8UC2, cv::COLOR_YUV2GRAY_YUY2, cv::COLOR_YUV2BGR_YUY2};
   static constexpr RawFormat kUyvy = {CV_8UC2, cv::COLOR_YUV2GRAY_UYVY, cv::COLOR_YUV2BGR_UYVY};
   static constexpr RawFormat kBgra = {CV_8UC4, cv::COLOR_BGRA2GRAY, cv::COLOR_BGRA2BGR};
@@ -61,7 +69,10 @@ const RawFormat* FindFormat(std::string encoding) {
       {"nv12", {CV_8UC1, -1, cv::COLOR_YUV2BGR_NV12, true}},
       {"nv21", {CV_8UC1, -1, cv::COLOR_YUV2BGR_NV21, true}},
   };
-  const auto found = formats.find(encoding);
+  auto found = formats.find(encoding);
+  for (const char* bits : {"10", "12", "14"})
+    if (found == formats.end() && encoding.ends_with(bits))
+      found = formats.find(encoding.substr(0, encoding.size() - 2) + "16");
   return found == formats.end() ? nullptr : &found->second;
 }
 
@@ -151,6 +162,16 @@ DecodedImage DecodePng(std::span<const std::uint8_t> data, const ImageRequest& r
   return decoded;
 }
 
+DecodedImage DecodePacked(ImageMessage message, const PackedEncoding& packed,
+                          const ImageRequest& request) {
+  const std::optional<std::vector<std::uint8_t>> samples = UpperEightBits(message, packed.bits);
+  if (!samples) return Damaged(kTooFewBytes);
+  message.encoding = packed.eight_bit;
+  message.step = 0;
+  message.data = *samples;
+  return DecodeRaw(message, request);
+}
+
 std::filesystem::path PathOf(const RawMessage& message) {
   return std::string(message.data.begin(), message.data.end());
 }
@@ -173,6 +194,8 @@ DecodedImage DecodeCompressed(std::span<const std::uint8_t> data, const ImageReq
 }
 
 DecodedImage DecodeRaw(const ImageMessage& message, const ImageRequest& request) {
+  if (const auto packed = FindPackedEncoding(InSmallLetters(message.encoding)))
+    return DecodePacked(message, *packed, request);
   const RawFormat* format = FindFormat(message.encoding);
   if (!format) return Damaged("encoding '" + message.encoding.substr(0, 40) + "' is not supported");
   constexpr std::uint32_t kMaxSide = 1 << 16;
@@ -185,7 +208,7 @@ DecodedImage DecodeRaw(const ImageMessage& message, const ImageRequest& request)
     return Damaged("its width and height are not even, as " + message.encoding + " needs");
   const std::optional<cv::Mat> view =
       ViewOf(message, format->type, message.height + (needs_chroma ? message.height / 2 : 0));
-  if (!view) return Damaged("the image has fewer bytes than its size needs");
+  if (!view) return Damaged(kTooFewBytes);
   const bool must_swap = view->depth() == CV_16U && message.is_bigendian;
   const cv::Mat samples =
       WithEightBits(must_swap ? WithSwappedBytes(*view) : *view, request.sample_bits);

@@ -22,7 +22,7 @@ bool IsJpeg(std::span<const std::uint8_t> data);
 DecodedImage DecodeCompressed(std::span<const std::uint8_t> data, const ImageRequest& request);
 
 /// Decodes mono8, mono16, rgb8, bgr8, rgba8, bgra8, bayer_{rggb,bggr,gbrg,grbg}{8,16}, 8UC1, 8UC3,
-/// 16UC1.
+/// 16UC1, YUV 4:2:2 and NV12; samples of 10 and 12 bits packed or not, of 14 not.
 DecodedImage DecodeRaw(const ImageMessage& message, const ImageRequest& request);
 
 /// Decodes an image of a stream, whatever its type and encoding; but none of a video (see

@@ -100,7 +100,8 @@ DecodedImage DecodeJpeg(std::span<const std::uint8_t> data, const ImageRequest& 
   JpegReader reader(data);
   if (!reader.ReadHeader()) return damaged(reader.message());
   if (auto fault = CheckSize(reader.width(), reader.height(), request)) return *fault;
-  if (!reader.has_supported_colors()) return damaged("neither grayscale nor three colors");
+  if (!reader.has_supported_colors())
+    return damaged("four colors (CMYK), as printers have them: record it in three or in gray");
   DecodedImage decoded;
   decoded.image.create(reader.height(), reader.width(),
                        reader.is_colored() && !request.grayscale ? CV_8UC3 : CV_8UC1);

@@ -128,6 +128,62 @@ TEST(RawImages, EncodingsAreSpelledAnyhowAndAStepMayBeMissing) {
   EXPECT_EQ(MaxDifference(DecodeRaw(message, kColor).image, bgr), 0);
 }
 
+/// Packs samples as a string of bits, the lowest first: bit by bit, unlike the reader.
+Bytes Packed(const std::vector<unsigned>& samples, int bits) {
+  Bytes packed((samples.size() * static_cast<std::size_t>(bits) + 7) / 8, 0);
+  std::size_t at = 0;
+  for (const unsigned sample : samples)
+    for (int bit = 0; bit < bits; ++bit, ++at)
+      packed[at / 8] = static_cast<std::uint8_t>(packed[at / 8] | (sample >> bit & 1) << at % 8);
+  return packed;
+}
+
+TEST(RawImages, PackedSamplesGiveTheirUpperEightBits) {
+  for (const int bits : {10, 12})
+    for (const std::uint32_t width : {1U, 5U, 8U}) {
+      ImageMessage message;
+      message.width = width;
+      message.height = 3;
+      message.encoding = "Mono" + std::to_string(bits) + "p";
+      Bytes rows;
+      std::vector<unsigned> all;
+      for (unsigned y = 0; y < message.height; ++y) {
+        std::vector<unsigned> samples;
+        for (unsigned x = 0; x < width; ++x)
+          samples.push_back((397 * (y * width + x + 1)) % (1U << bits));
+        all.insert(all.end(), samples.begin(), samples.end());
+        const Bytes row = Packed(samples, bits);
+        rows.insert(rows.end(), row.begin(), row.end());
+      }
+      message.data = rows;
+
+      const DecodedImage decoded = DecodeRaw(message, kGray);
+
+      ASSERT_EQ(decoded.fault, ImageFault::kNone) << decoded.what;
+      for (std::size_t i = 0; i < all.size(); ++i)
+        EXPECT_EQ(decoded.image.data[i], all[i] >> (bits - 8));
+      message.data = message.data.first(rows.size() - 1);
+      EXPECT_EQ(DecodeRaw(message, kGray).fault, ImageFault::kDamaged);
+    }
+}
+
+TEST(RawImages, SamplesOfTwelveBitsMayStandInSixteen) {
+  ImageMessage message;
+  message.width = 2;
+  message.height = 1;
+  message.encoding = "bayer_rggb12";
+  const Bytes data = {0xf0, 0x0f, 0x00, 0x01};  // 4080 and 256
+  message.data = data;
+
+  ImageRequest request = kGray;
+  request.sample_bits = 12;
+  EXPECT_EQ(DecodeRaw(message, request).image.size(), cv::Size(2, 1));
+  message.encoding = "mono12";
+  const DecodedImage decoded = DecodeRaw(message, request);
+  EXPECT_EQ(decoded.image.at<std::uint8_t>(0, 0), 255);
+  EXPECT_EQ(decoded.image.at<std::uint8_t>(0, 1), 16);
+}
+
 TEST(RawImages, EachBayerPatternGivesBackItsColors) {
   const cv::Mat bgr(16, 16, CV_8UC3, cv::Scalar(200, 120, 40));  // blue, green, red
   const std::pair<std::string, std::string> patterns[] = {{"bayer_rggb8", "rggb"},
