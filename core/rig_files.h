@@ -1,7 +1,10 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
+
+#include "core/rig.h"
 
 namespace parkade {
 
@@ -18,5 +21,9 @@ struct RigFileNames {
 /// 2021 `camchain-imucam-BAG.yaml`, `imu-BAG.yaml`). A chain with the IMU goes before one without
 /// (`BAG-camchain.yaml`). Throws Error{kInvalidInput} where there are several of one kind.
 RigFileNames FindRigFiles(const std::vector<std::string>& names);
+
+/// Reads a rig as ReadRig does, for who needs its cameras alone: the IMU's file may be missing.
+/// Then the IMU has the noise of no particular one. Throws as ReadRig.
+Rig ReadCameraRig(const std::filesystem::path& folder);
 
 }  // namespace parkade

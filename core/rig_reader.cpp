@@ -210,11 +210,12 @@ VehicleCalibration ReadVehicle(const YamlNode& vehicle) {
   return calibration;
 }
 
+/// \param imu    nothing: the rig has cameras alone
 /// \param masks  the folder that masks lie in
-Rig MakeRig(const YamlNode& imu, const std::optional<YamlNode>& vehicle, const YamlNode& chain,
-            const path& masks) {
+Rig MakeRig(const std::optional<YamlNode>& imu, const std::optional<YamlNode>& vehicle,
+            const YamlNode& chain, const path& masks) {
   Rig rig;
-  rig.imu = ReadImu(imu);
+  if (imu) rig.imu = ReadImu(*imu);
   if (vehicle) {
     rig.body_from_imu = vehicle->At("T_imu_body").Motion().Inverse();
     rig.vehicle = ReadVehicle(*vehicle);
@@ -241,18 +242,22 @@ Rig MakeRig(const YamlNode& imu, const std::optional<YamlNode>& vehicle, const Y
   return rig;
 }
 
-}  // namespace
-
-Rig ReadRig(const path& folder) {
+Rig ReadFolder(const path& folder, bool needs_imu) {
   Require(std::filesystem::is_directory(folder), ErrorCode::kInvalidInput,
           "the rig '" + folder.string() + "' is not a folder");
   const auto [chain, imu] = FindRigFiles(NamesIn(folder));
-  const YamlNode imu_node = ReadYaml(folder / (imu.empty() ? kImuFile : imu));
-  std::optional<YamlNode> vehicle;
+  std::optional<YamlNode> imu_node, vehicle;
+  if (needs_imu || !imu.empty()) imu_node = ReadYaml(folder / (imu.empty() ? kImuFile : imu));
   if (std::filesystem::exists(folder / "vehicle.yaml")) vehicle = ReadYaml(folder / "vehicle.yaml");
   return MakeRig(imu_node, vehicle, ReadYaml(folder / (chain.empty() ? kCameraChainFile : chain)),
                  folder);
 }
+
+}  // namespace
+
+Rig ReadRig(const path& folder) { return ReadFolder(folder, /*needs_imu=*/true); }
+
+Rig ReadCameraRig(const path& folder) { return ReadFolder(folder, /*needs_imu=*/false); }
 
 Rig ReadCalibration(const path& file) {
   const YamlNode calibration = ReadYaml(file);

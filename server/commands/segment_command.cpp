@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "core/rig.h"
+#include "core/rig_files.h"
 #include "mapping/networks/freespace_network.h"
 #include "mapping/observation/segment_image.h"
 #include "server/commands/commands.h"
@@ -89,7 +89,7 @@ void RequireImagesStay(const SegmentArguments& arguments, const fs::path& target
 /// The camera that took the images. Throws Error{kUsage} or {kInvalidInput} where the rig does not
 /// tell.
 RigCamera FindCamera(const SegmentArguments& arguments) {
-  const Rig rig = ReadRig(arguments.rig);
+  const Rig rig = ReadCameraRig(arguments.rig);
   Require(rig.vehicle.has_value(), ErrorCode::kInvalidInput,
           "the rig '" + arguments.rig + "' has no vehicle.yaml, which says where the ground is");
   std::string names;

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.h"
+#include "core/rig_files.h"
 
 namespace parkade {
 namespace {
@@ -92,6 +93,19 @@ TEST_F(RigFolder, KalibrsFilesAreRead) {
   const Eigen::Vector3d point_in_imu(2, 3, 4);
   const Eigen::Vector3d point_in_camera(-3 + 0.1, -4 + 0.2, 2 + 0.3);
   EXPECT_LT((camera.body_from_camera * point_in_camera - point_in_imu).norm(), 1e-12);
+}
+
+TEST_F(RigFolder, WhoNeedsCamerasAloneReadsARigWithoutAnImusFile) {
+  const Rig whole = ReadRig(folder_);
+  fs::remove(folder_ / "imu0.yaml");
+
+  const Rig cameras = ReadCameraRig(folder_);
+
+  ASSERT_EQ(cameras.cameras.size(), whole.cameras.size());
+  ExpectSameMotion(cameras.cameras[0].body_from_camera, whole.cameras[0].body_from_camera);
+  EXPECT_NE(ReadError().find("imu0.yaml"), std::string::npos) << "a drive needs it";
+  Write("imu0.yaml", "update_rate: 200.0");
+  EXPECT_THROW(ReadCameraRig(folder_), Error) << "a file that is there has to be whole";
 }
 
 TEST_F(RigFolder, TheVehicleFileMovesTheBodyAwayFromTheImu) {
