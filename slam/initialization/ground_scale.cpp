@@ -13,9 +13,10 @@ constexpr double kMinDepression = 0.15;  // sine of the angle below the horizon
 constexpr double kMinCertainty = 6;      // inverse distance / sigma of a point that counts
 constexpr double kBandwidth = 0.08;      // of the logarithm of the scale
 constexpr double kWidth = 0.15;          // about the peak
-constexpr int kMinPoints = 12;
-constexpr double kMinShare = 0.25;  // of the points below the cameras
-constexpr double kSigma = 0.04;     // slopes, suspension; plus what each camera adds
+constexpr int kMinPoints = 5, kManyPoints = 12;
+constexpr double kMinShare = 0.25;      // of the points below the cameras
+constexpr double kMinShareOfFew = 0.6;  // of them, while fewer than kManyPoints are of the ground
+constexpr double kSigma = 0.04;         // slopes, suspension; plus what each camera adds
 constexpr double kSigmaOfCamera = 0.08;
 
 struct Height {
@@ -59,9 +60,10 @@ std::optional<GroundScale> MeasureGroundScale(const StartProblem& problem, const
     ++scale.num_points;
     cameras.insert(at.camera);
   }
-  if (scale.num_points <
-      std::max(kMinPoints, static_cast<int>(kMinShare * static_cast<double>(heights.size()))))
-    return std::nullopt;
+  const auto below = static_cast<double>(heights.size());
+  const double needed =
+      std::max(kMinShare * below, std::min<double>(kManyPoints, kMinShareOfFew * below));
+  if (scale.num_points < std::max<double>(kMinPoints, needed)) return std::nullopt;
   scale.log_scale /= scale.num_points;
   scale.sigma = std::hypot(kSigma, kSigmaOfCamera / std::sqrt(static_cast<double>(cameras.size())));
   return scale;

@@ -17,6 +17,7 @@ using MotionVector = Eigen::Matrix<double, kStartMotionSize, 1>;
 
 constexpr double kRobustWidth = 2;               // [sigma] Cauchy
 constexpr double kMaxInverseDistance = 1 / 0.3;  // [1/m]
+constexpr int kLinearPasses = 3;
 constexpr int kPointIterations = 6;
 constexpr double kRayDamping = 1;          // [1/rad^2] keeps points that are behind solvable
 constexpr double kInfinityDamping = 1e-6;  // [1/(1/m)^2] keeps points without parallax solvable
@@ -161,6 +162,26 @@ double NoiseOf(const StartProblem& problem, const StartMotion& motion) {
   return std::clamp(std::sqrt(median / kMedianOfChiSquared2 / freedom), kMinNoise, kMaxNoise);
 }
 
+/// [1/m] at which rays of known places come nearest to the track's own, by linear least squares:
+/// from infinity a near point of a fast car would not be found.
+double LinearInverseDistance(const StartTrack& track, const std::vector<PlacedStartImage>& images) {
+  double inverse_distance = 0;
+  for (int pass = 0; pass < kLinearPasses; ++pass) {
+    double numerator = 0, denominator = 0;
+    for (const StartObservation& observation : track.observations) {
+      const PlacedStartImage& image = images[observation.image];
+      const Eigen::Vector3d seen = image.rotation * observation.bearing,
+                            offset = track.origin - image.center;
+      const double weight = 1 / (track.ray + inverse_distance * offset).squaredNorm();
+      numerator -= weight * seen.cross(track.ray).dot(seen.cross(offset));
+      denominator += weight * seen.cross(offset).squaredNorm();
+    }
+    if (!(denominator > 1e-12)) return 0;
+    inverse_distance = std::clamp(numerator / denominator, 0.0, kMaxInverseDistance);
+  }
+  return inverse_distance;
+}
+
 }  // namespace
 
 Eigen::Vector3d WayOf(const StartProblem& problem, const StartMotion& motion) {
@@ -173,7 +194,7 @@ double PlacePoints(StartProblem& problem, const StartMotion& motion, double nois
     const StartObservation& first = track.observations.front();
     track.origin = images[first.image].center;
     track.ray = images[first.image].rotation * first.bearing;
-    track.inverse_distance = 0;
+    track.inverse_distance = LinearInverseDistance(track, images);
     double cost = std::numeric_limits<double>::infinity();
     StartTrack best = track;
     for (int i = 0; i < kPointIterations; ++i) {

@@ -1,11 +1,10 @@
 // StartFromImages: hypotheses of the speed, adjusted; the scale from where it can be had.
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 
 #include "core/decompositions.h"
 #include "slam/initialization/start_adjustment.h"
-#include "slam/initialization/start_linearization.h"
+#include "slam/initialization/start_hypotheses.h"
 #include "slam/initialization/start_motion.h"
 #include "slam/initialization/start_problem.h"
 
@@ -13,13 +12,12 @@ namespace parkade {
 namespace {
 
 constexpr size_t kMinTracks = 15;
-constexpr double kSpeeds[] = {0.7, 3, 10};  // [m/s] hypotheses
-constexpr int kDirectionPasses = 4;
-constexpr double kRobustAngle = 0.005;  // [rad] off the epipolar plane
 constexpr int kFirstIterations = 12, kLastIterations = 8;
-constexpr int kPasses = 2;          // at the noise that the pass before found
-constexpr double kCorrelation = 6;  // variance: errors of a track last (docs/decisions/)
-constexpr double kSystematic = 10;  // factor on the sigma of the scale that acceleration tells
+constexpr double kCoarseNoise = 3;    // at first, where the hypothesis is far off
+constexpr int kPasses = 2;            // at the noise that the pass before found
+constexpr double kCorrelation = 6;    // variance: errors of a track last (docs/decisions/)
+constexpr double kSystematic = 14;    // factor on the sigma of the scale that acceleration tells
+constexpr double kMountScale = 0.02;  // of the scale that mounts tell, which are never exact
 constexpr double kSystematicScale =
     0.15;  // ground and IMU that differ by less do not contradict each other
 constexpr double kMaxTiltSigma = 0.10;      // [rad]
@@ -37,86 +35,61 @@ constexpr double kUnknownBias = 0.1;    // [m/s^2]
 constexpr double kMinRest = 0.9;        // [s] after which a car that moves would show it
 constexpr double kRestingSigmas = 3, kRestingShare = 0.75;
 
-/// Direction of the velocity [unit] that suits the epipolar planes of first and last observations
-/// best, at a speed.
-Eigen::Vector3d DirectionAtSpeed(const StartProblem& problem, const Eigen::Vector3d& gravity,
-                                 double speed) {
-  StartMotion rest;
-  rest.gravity = gravity;
-  rest.bias = problem.linearized_at;
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
-  for (int pass = 0; pass < kDirectionPasses; ++pass) {
-    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (const StartTrack& track : problem.tracks) {
-      const StartObservation &first = track.observations.front(), &last = track.observations.back();
-      const StartImage &from = problem.images[first.image], &to = problem.images[last.image];
-      const Eigen::Vector3d normal =
-          (from.rotation * first.bearing).cross(to.rotation * last.bearing);
-      const double time = to.t - from.t;
-      if (!(time > 0)) continue;
-      const double offset =
-          normal.dot(CenterOf(to, rest, rest.bias) - CenterOf(from, rest, rest.bias)) / speed;
-      const double error =
-          pass == 0 ? 0 : (normal.dot(direction) * time + offset) / (time * kRobustAngle);
-      const double weight = 1 / (1 + error * error);
-      information += weight * time * time * normal * normal.transpose();
-      right -= weight * time * offset * normal;
-    }
-    // Smallest on the unit sphere: (information + multiplier) direction = right.
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(information);
-    const Eigen::Vector3d in_eigen = eigen.eigenvectors().transpose() * right;
-    double low = -eigen.eigenvalues()[0], high = right.norm() + eigen.eigenvalues()[2];
-    for (int i = 0; i < 100; ++i) {
-      const double middle = 0.5 * (low + high);
-      const double norm =
-          (in_eigen.array() / (eigen.eigenvalues().array() + middle)).matrix().norm();
-      (norm > 1 ? low : high) = middle;
-    }
-    direction = eigen.eigenvectors() *
-                (in_eigen.array() / (eigen.eigenvalues().array() + high).max(1e-12)).matrix();
-    if (!(direction.norm() > 0.5)) direction = eigen.eigenvectors().col(0);
-    direction.normalize();
-  }
-  return direction;
-}
-
 struct Candidate {
   StartProblem problem;  // with its points
   StartFit fit;
 };
 
 /// The best of all hypotheses, at the declared noise.
-std::optional<Candidate> BestHypothesis(const StartProblem& problem,
-                                        const Eigen::Vector3d& gravity) {
+std::optional<Candidate> BestHypothesis(const StartProblem& problem) {
   std::optional<Candidate> best;
-  for (const double speed : kSpeeds) {
-    const Eigen::Vector3d direction = DirectionAtSpeed(problem, gravity, speed);
+  for (const StartMotion& motion : FindStartHypotheses(problem)) {
     Candidate candidate{problem, {}};
-    StartMotion motion{speed * direction, gravity, problem.linearized_at};
-    const double ahead = PlacePoints(candidate.problem, motion, 1);
-    motion.velocity *= -1;
-    StartProblem backwards = problem;
-    if (PlacePoints(backwards, motion, 1) < ahead)
-      candidate.problem = std::move(backwards);
-    else
-      motion.velocity *= -1;
-    candidate.fit = Adjust(candidate.problem, motion, 1, kFirstIterations);
+    PlacePoints(candidate.problem, motion, 1);
+    candidate.fit = Adjust(candidate.problem, motion, kCoarseNoise, kFirstIterations);
+    candidate.fit = Adjust(candidate.problem, candidate.fit.motion, 1, kFirstIterations);
     if (!candidate.fit.motion.velocity.allFinite()) continue;
     if (!best || candidate.fit.cost < best->fit.cost) best = std::move(candidate);
   }
   return best;
 }
 
-/// Sigma of the logarithm of the way, by images and IMU. Errors that tracks and IMU keep over
-/// seconds look like acceleration, which is all that tells scale here: hence far more than white
-/// noise.
-double ScaleSigma(const Candidate& candidate) {
-  const Eigen::Vector3d way = WayOf(candidate.problem, candidate.fit.motion);
-  const Eigen::Vector3d ahead = way.normalized();
-  const double variance = ahead.dot(candidate.fit.covariance.topLeftCorner<3, 3>() * ahead);
-  return kSystematic * std::sqrt(std::max(0.0, variance)) * candidate.problem.duration /
-         std::max(way.norm(), 1e-3);
+/// How well images and IMU tell the logarithm of the way.
+struct ScaleKnowledge {
+  double sigma = 0;
+  bool is_of_overlap = false;  ///< rather by what several cameras see than by acceleration
+};
+
+double VarianceOfScale(const StartProblem& problem, const StartFit& fit) {
+  const Eigen::Vector3d way = WayOf(problem, fit.motion), ahead = way.normalized();
+  const double variance = ahead.dot(fit.covariance.topLeftCorner<3, 3>() * ahead);
+  return std::max(0.0, variance) * std::pow(problem.duration / std::max(way.norm(), 1e-3), 2);
+}
+
+/// Errors that tracks and IMU keep over seconds look like acceleration: where that alone tells
+/// scale, sigma is far more than white noise has it. Cameras that see the same are only as
+/// good as their mounts.
+ScaleKnowledge KnowScale(const Candidate& candidate) {
+  Candidate apart = candidate;
+  for (StartTrack& track : apart.problem.tracks) {
+    const auto camera_of = [&](const StartObservation& seen) {
+      return apart.problem.images[seen.image].camera;
+    };
+    std::erase_if(track.observations,
+                  [&, first = camera_of(track.observations.front())](const StartObservation& seen) {
+                    return camera_of(seen) != first;
+                  });
+  }
+  const StartFit of_acceleration =
+      Adjust(apart.problem, candidate.fit.motion, candidate.fit.noise, 0);
+  const double together = 1 / VarianceOfScale(candidate.problem, candidate.fit);
+  const double by_acceleration = 1 / VarianceOfScale(apart.problem, of_acceleration);
+  const double by_overlap = std::max(0.0, together - by_acceleration);
+  const double overlap_sigma =
+      std::hypot(std::sqrt(kCorrelation / std::max(by_overlap, 1e-12)), kMountScale);
+  const double acceleration_sigma = kSystematic / std::sqrt(by_acceleration);
+  return {1 / std::hypot(1 / overlap_sigma, 1 / acceleration_sigma),
+          overlap_sigma < acceleration_sigma};
 }
 
 /// The same with everything larger by `factor`, adjusted to `scale` where it is given.
@@ -133,7 +106,7 @@ Candidate Rescaled(const Candidate& candidate, double factor,
 
 struct KnownScale {
   double sigma = 0;  ///< of its logarithm; infinite where ground and IMU contradict each other
-  bool is_of_ground = false;
+  bool is_measured = false;  ///< by the ground, or by cameras that see the same
 };
 
 /// Takes the scale from the ground where it is there to be seen.
@@ -146,8 +119,8 @@ KnownScale UseGround(Candidate& candidate, const Rig& rig) {
     candidate = std::move(rescaled);
     ground = MeasureGroundScale(candidate.problem, rig);
   }
-  const double sigma = ScaleSigma(candidate);
-  if (!ground) return {sigma, false};
+  const auto [sigma, is_of_overlap] = KnowScale(candidate);
+  if (!ground) return {sigma, is_of_overlap};
   if (std::abs(ground->log_scale) >
       kMaxDisagreement * std::hypot(ground->sigma, sigma, kSystematicScale))
     return {std::numeric_limits<double>::infinity(), true};
@@ -196,11 +169,11 @@ std::optional<StartEstimate> StartFromImages(const ImuBuffer& imu,
                                              Timestamp begin, Timestamp end) {
   const StartProblem problem = CollectStartProblem(imu, frames, rig, bias, begin, end);
   if (problem.tracks.size() < kMinTracks) return std::nullopt;
-  const Eigen::Vector3d mean_gravity = MeanGravity(imu, problem.linearized_at, begin, end);
+  const Eigen::Vector3d rest = Eigen::Vector3d::Zero();
   if (IsAtRest(problem))
-    return MakeStart(problem, {Eigen::Vector3d::Zero(), mean_gravity, problem.linearized_at}, begin,
-                     0, 0);
-  std::optional<Candidate> best = BestHypothesis(problem, mean_gravity);
+    return MakeStart(problem, {rest, SteadyGravity(problem, rest), problem.linearized_at}, begin, 0,
+                     0);
+  std::optional<Candidate> best = BestHypothesis(problem);
   if (!best) return std::nullopt;
   for (int pass = 0; pass < kPasses; ++pass)
     best->fit = Adjust(best->problem, best->fit.motion, best->fit.noise, kLastIterations);
@@ -215,7 +188,7 @@ std::optional<StartEstimate> StartFromImages(const ImuBuffer& imu,
   const double velocity_sigma =
       std::max(largest(fit.covariance.topLeftCorner<3, 3>()), speed * scale.sigma);
   const double tilt_sigma = largest(fit.covariance.block<2, 2>(3, 3));
-  const double share = scale.is_of_ground ? kMaxVelocityShare : kMaxVelocityShareOfImu;
+  const double share = scale.is_measured ? kMaxVelocityShare : kMaxVelocityShareOfImu;
   if (!(fit.noise < kMaxNoise && tilt_sigma < kMaxTiltSigma &&
         velocity_sigma < kMaxVelocitySigma + share * speed))
     return std::nullopt;

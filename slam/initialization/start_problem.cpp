@@ -7,9 +7,9 @@
 namespace parkade {
 namespace {
 
-constexpr double kImagesPerCamera = 12;
-constexpr double kMinImageInterval = 0.08;  // [s]
-constexpr size_t kTracksPerCamera = 70;
+constexpr double kImagesPerCamera = 24;
+constexpr double kMinImageInterval = 0.08;                             // [s]
+constexpr size_t kLongTracks = 70, kNearTracks = 30, kLowTracks = 30;  // of a camera
 constexpr size_t kMinObservations = 3;
 constexpr double kMinBiasSigma = 1e-4;  // [rad/s]
 
@@ -51,6 +51,8 @@ class Integration {
             by_accelerometer_.position};
   }
 
+  const Eigen::Vector3d& velocity() const { return velocity_; }
+
  private:
   struct Derivatives {
     Eigen::Matrix3d rotation = Eigen::Matrix3d::Zero(), velocity = rotation, position = rotation;
@@ -65,21 +67,51 @@ class Integration {
   Derivatives by_gyroscope_, by_accelerometer_;
 };
 
-/// The tracks with most observations, of each camera that saw them first.
-std::vector<StartTrack> LongestTracks(std::map<std::int64_t, StartTrack> tracks,
-                                      const StartProblem& problem, size_t num_cameras) {
-  std::vector<std::vector<StartTrack>> of_camera(num_cameras);
+/// [rad] by which a track moves beyond rotation.
+double ParallaxAngle(const StartTrack& track, const StartProblem& problem) {
+  const StartObservation &first = track.observations.front(), &last = track.observations.back();
+  return (problem.images[first.image].rotation * first.bearing)
+      .cross(problem.images[last.image].rotation * last.bearing)
+      .norm();
+}
+
+/// Moves the `count` tracks of most `value` to the end of `kept`.
+template <typename Value>
+void TakeMost(std::vector<StartTrack>& tracks, size_t count, const Value& value,
+              std::vector<StartTrack>& kept) {
+  std::stable_sort(tracks.begin(), tracks.end(),
+                   [&](const StartTrack& a, const StartTrack& b) { return value(a) > value(b); });
+  const auto end = tracks.begin() + static_cast<std::ptrdiff_t>(std::min(count, tracks.size()));
+  std::move(tracks.begin(), end, std::back_inserter(kept));
+  tracks.erase(tracks.begin(), end);
+}
+
+/// Tracks are taken for the camera that saw them first: those with most observations; of the others
+/// those that move most, which are near, and those that look down most: a fast car sees the ground,
+/// which may tell the scale, for a moment only.
+std::vector<StartTrack> TracksToUse(std::map<std::int64_t, StartTrack> tracks,
+                                    const StartProblem& problem, const Rig& rig) {
+  const Eigen::Vector3d down_in_imu =
+      rig.body_from_imu.rotation.conjugate() * -Eigen::Vector3d::UnitZ();
+  std::vector<std::vector<StartTrack>> of_camera(rig.cameras.size());
   for (auto& [number, track] : tracks)
     if (track.observations.size() >= kMinObservations)
       of_camera[static_cast<size_t>(problem.images[track.observations.front().image].camera)]
           .push_back(std::move(track));
   std::vector<StartTrack> kept;
   for (std::vector<StartTrack>& all : of_camera) {
-    std::stable_sort(all.begin(), all.end(), [](const StartTrack& a, const StartTrack& b) {
-      return a.observations.size() > b.observations.size();
-    });
-    if (all.size() > kTracksPerCamera) all.resize(kTracksPerCamera);
-    std::move(all.begin(), all.end(), std::back_inserter(kept));
+    TakeMost(
+        all, kLongTracks, [](const StartTrack& track) { return track.observations.size(); }, kept);
+    TakeMost(
+        all, kNearTracks, [&](const StartTrack& track) { return ParallaxAngle(track, problem); },
+        kept);
+    if (rig.vehicle)
+      TakeMost(
+          all, kLowTracks,
+          [&](const StartTrack& track) {
+            return track.observations.front().bearing.dot(down_in_imu);
+          },
+          kept);
   }
   return kept;
 }
@@ -111,14 +143,14 @@ StartProblem CollectStartProblem(const ImuBuffer& imu, const std::vector<Tracked
   }
   integration.AdvanceTo(end);
   problem.end = integration.Image(0, Eigen::Vector3d::Zero());
-  problem.tracks = LongestTracks(std::move(tracks), problem, rig.cameras.size());
+  problem.force = integration.velocity();
+  problem.tracks = TracksToUse(std::move(tracks), problem, rig);
   return problem;
 }
 
-Eigen::Vector3d MeanGravity(const ImuBuffer& imu, const ImuBias& bias, Timestamp begin,
-                            Timestamp end) {
-  const MotionIncrement increment = Integrate(imu.Between(begin, end), bias);
-  return -kGravityInOdom.norm() * increment.velocity.normalized();
+Eigen::Vector3d SteadyGravity(const StartProblem& problem, const Eigen::Vector3d& velocity) {
+  const Eigen::Vector3d gained = problem.end.rotation * velocity - velocity;
+  return kGravityInOdom.norm() * (gained - problem.force).normalized();
 }
 
 }  // namespace parkade

@@ -62,6 +62,8 @@ struct StartProblem {
   GyroscopeBiasEstimate gyroscope;        ///< prior
   double accelerometer_bias_sigma = 0.1;  ///< [m/s^2] prior
   StartImage end;                         ///< the last instant, seen from the IMU
+  Eigen::Vector3d force =
+      Eigen::Vector3d::Zero();  ///< [m/s] integral of what the accelerometer felt, at the begin
   std::optional<ScalePrior> scale;
 };
 
@@ -74,9 +76,9 @@ StartProblem CollectStartProblem(const ImuBuffer& imu, const std::vector<Tracked
                                  const Rig& rig, const GyroscopeBiasEstimate& bias, Timestamp begin,
                                  Timestamp end);
 
-/// [m/s^2] down, in the IMU frame at the begin, if the speed were constant: minus the mean force.
-Eigen::Vector3d MeanGravity(const ImuBuffer& imu, const ImuBias& bias, Timestamp begin,
-                            Timestamp end);
+/// [m/s^2] down, in the IMU frame at the begin, of a car that has `velocity` [m/s] there and keeps
+/// it along its own axes.
+Eigen::Vector3d SteadyGravity(const StartProblem& problem, const Eigen::Vector3d& velocity);
 
 /// What the ground says about the scale of the points: most of what cameras see below them lies at
 /// their own height.

@@ -11,12 +11,12 @@
 namespace parkade {
 namespace {
 
-constexpr double kBeginOfTime = 1000;              // [s]
-constexpr double kMaxAngle = 92.5 * M_PI / 180;    // half the field of view
-constexpr double kMaxRange = 25, kMinRange = 0.8;  // [m] at which points are seen
-constexpr double kTrackLoss = 0.03;                // per image
-constexpr double kWander = 3e-3;                   // [rad] per image, of an outlier
-constexpr int kWidth = 640, kHeight = 480;         // [px] of images that nobody draws
+constexpr double kBeginOfTime = 1000;            // [s]
+constexpr double kMaxAngle = 92.5 * M_PI / 180;  // half the field of view
+constexpr double kMinRange = 0.8;                // [m] at which points are seen
+constexpr double kTrackLoss = 0.03;              // per image
+constexpr double kWander = 3e-3;                 // [rad] per image, of an outlier
+constexpr int kWidth = 640, kHeight = 480;       // [px] of images that nobody draws
 const Eigen::Vector3d kGravity(0, 0, -9.81);
 
 using Random = std::mt19937;
@@ -95,16 +95,23 @@ std::vector<Eigen::Vector3d> PointsInRoom(const SampledDriveOptions& options, Ra
   return points;
 }
 
+/// What cameras see of the world.
+struct View {
+  double max_angle = kMaxAngle;  ///< [rad] off the axis
+  double max_range = 25;         ///< [m]
+  bool shares_tracks = false;    ///< the same points have the same track numbers in all cameras
+};
+
 class TrackMaker {
  public:
   TrackMaker(const Rig& rig, int camera, const std::vector<Eigen::Vector3d>& points,
-             const SampledDriveOptions& options, double max_angle)
+             const SampledDriveOptions& options, const View& view)
       : camera_(camera),
         body_from_camera_(rig.cameras[static_cast<size_t>(camera)].body_from_camera),
         model_(rig.cameras[static_cast<size_t>(camera)].model),
         points_(points),
         options_(options),
-        max_angle_(max_angle),
+        view_(view),
         random_(options.seed * 977 + static_cast<std::uint32_t>(camera)) {}
 
   /// The image taken at `t` [s] into `motion`, stamped `time`.
@@ -115,7 +122,8 @@ class TrackMaker {
     for (size_t i = 0; i < points_.size(); ++i) {
       const Eigen::Vector3d in_camera = camera_from_world * points_[i];
       const double range = in_camera.norm();
-      if (range < kMaxRange && range > kMinRange && std::acos(in_camera.z() / range) < max_angle_)
+      if (range < view_.max_range && range > kMinRange &&
+          std::acos(in_camera.z() / range) < view_.max_angle)
         visible.push_back(i);
     }
     const std::set<size_t> visible_set(visible.begin(), visible.end());
@@ -126,7 +134,8 @@ class TrackMaker {
     for (const size_t point : visible) {
       if (static_cast<int>(tracks_.size()) >= options_.tracks) break;
       if (!tracks_.count(point))
-        tracks_[point] = {(std::int64_t{camera_} << 40) + next_++,
+        tracks_[point] = {view_.shares_tracks ? static_cast<std::int64_t>(point)
+                                              : (std::int64_t{camera_} << 40) + next_++,
                           uniform(random_) < options_.outliers, Eigen::Vector3d::Zero()};
     }
     TrackedFrame frame{time, camera_, {}};
@@ -170,7 +179,7 @@ class TrackMaker {
   CameraModel model_;
   const std::vector<Eigen::Vector3d>& points_;
   const SampledDriveOptions& options_;
-  double max_angle_;
+  View view_;
   Random random_;
   std::map<size_t, Track> tracks_;
   std::int64_t next_ = 0;
@@ -207,9 +216,9 @@ void MakeImu(SampledDrive& drive, const MotionFunction& motion, const SampledDri
 
 void MakeFrames(SampledDrive& drive, const MotionFunction& motion,
                 const std::vector<Eigen::Vector3d>& points, const SampledDriveOptions& options,
-                double max_angle) {
+                const View& view) {
   for (size_t camera = 0; camera < drive.rig.cameras.size(); ++camera) {
-    TrackMaker tracks(drive.true_rig, static_cast<int>(camera), points, options, max_angle);
+    TrackMaker tracks(drive.true_rig, static_cast<int>(camera), points, options, view);
     Random random(options.seed * 31 + static_cast<std::uint32_t>(camera));
     const Eigen::Vector3d axis = Gaussian3(random, 1).normalized();
     const double offset = 0.0127 * static_cast<double>(camera);
@@ -247,7 +256,7 @@ void DisturbRig(SampledDrive& drive, const SampledDriveOptions& options) {
 
 SampledDrive MakeDrive(Rig rig, const MotionFunction& motion,
                        const std::vector<Eigen::Vector3d>& points,
-                       const SampledDriveOptions& options, Random& random, double max_angle) {
+                       const SampledDriveOptions& options, Random& random, const View& view = {}) {
   SampledDrive drive;
   drive.rig = std::move(rig);
   drive.rig.imu.update_rate = options.imu_rate;
@@ -264,7 +273,7 @@ SampledDrive MakeDrive(Rig rig, const MotionFunction& motion,
       drive.wheels.push_back(
           {TimeAt(t), speed == 0 ? 0 : speed + wheel_noise(random), at.angular_velocity.z()});
     }
-  MakeFrames(drive, motion, points, options, max_angle);
+  MakeFrames(drive, motion, points, options, view);
   std::stable_sort(drive.frames.begin(), drive.frames.end(),
                    [](const TrackedFrame& a, const TrackedFrame& b) { return a.time < b.time; });
   for (int k = 0; k <= options.duration * 100; ++k) {
@@ -282,13 +291,24 @@ SampledDrive MakeCarDrive(const SampledDriveOptions& options) {
   Random random(options.seed);
   const MotionFunction motion = CarMotion(options.start + options.duration);
   return MakeDrive(CarRig(options.num_cameras), motion, PointsAlongPath(motion, options, random),
-                   options, random, kMaxAngle);
+                   options, random);
+}
+
+SampledDrive MakeBendDrive(const SampledDriveOptions& options, double speed, double yaw_rate) {
+  Random random(options.seed);
+  const MotionFunction motion = BendMotion(speed, yaw_rate);
+  Rig rig = CarRig(1);
+  rig.cameras = {MakeCamera("left", {1.5, 0.27, 1.6}, 0, 0),
+                 MakeCamera("right", {1.5, -0.27, 1.6}, 0, 0)};
+  rig.cameras.resize(static_cast<size_t>(options.num_cameras));
+  return MakeDrive(std::move(rig), motion, PointsAlongPath(motion, options, random), options,
+                   random, {.max_angle = M_PI / 3, .max_range = 60, .shares_tracks = true});
 }
 
 SampledDrive MakeRestingDrive(const SampledDriveOptions& options) {
   Random random(options.seed);
   return MakeDrive(CarRig(options.num_cameras), RestingMotion(),
-                   PointsAlongPath(RestingMotion(), options, random), options, random, kMaxAngle);
+                   PointsAlongPath(RestingMotion(), options, random), options, random);
 }
 
 SampledDrive MakeFlight(const SampledDriveOptions& options) {
@@ -300,7 +320,7 @@ SampledDrive MakeFlight(const SampledDriveOptions& options) {
   SampledDriveOptions flight = options;
   flight.has_wheels = false;
   const std::vector<Eigen::Vector3d> points = PointsInRoom(options, random);
-  return MakeDrive(std::move(rig), FlightMotion(), points, flight, random, /*max_angle=*/0.8);
+  return MakeDrive(std::move(rig), FlightMotion(), points, flight, random, {.max_angle = 0.8});
 }
 
 void RemoveImages(SampledDrive& drive, int camera, double begin, double end) {

@@ -55,6 +55,11 @@ struct SampledDrive {
 /// Four unsynchronized 185-degree cameras on a car, IMU off the rear axle.
 SampledDrive MakeCarDrive(const SampledDriveOptions& options);
 
+/// A car on a circle (BendMotion), moving from the first instant, with one camera or with two side
+/// by side, 0.54 m apart, that look ahead, 60 degrees to each side, and see points up to 60 m away.
+/// Two see the same points under the same track numbers, though not at the same time.
+SampledDrive MakeBendDrive(const SampledDriveOptions& options, double speed, double yaw_rate);
+
 /// A standing car with the same sensors.
 SampledDrive MakeRestingDrive(const SampledDriveOptions& options);
 

@@ -154,6 +154,23 @@ MotionFunction FlightMotion() {
   };
 }
 
+MotionFunction BendMotion(double speed, double yaw_rate) {
+  return [=](double t) {
+    const double yaw = yaw_rate * t;
+    const Eigen::Vector3d ahead(std::cos(yaw), std::sin(yaw), 0), left(-ahead.y(), ahead.x(), 0);
+    const double radius = std::abs(yaw_rate) > 1e-9 ? speed / yaw_rate : 0;
+    const Eigen::Vector3d position =
+        radius == 0 ? Eigen::Vector3d(speed * t, 0, 0)
+                    : Eigen::Vector3d(radius * left * -1 + Eigen::Vector3d(0, radius, 0));
+    return BodyMotion{
+        {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), position},
+        speed * ahead,
+        speed * yaw_rate * left,
+        Eigen::Vector3d(0, 0, yaw_rate),
+        Eigen::Vector3d::Zero()};
+  };
+}
+
 MotionFunction RestingMotion() {
   return [](double) {
     const Eigen::Vector3d zero = Eigen::Vector3d::Zero();

@@ -28,6 +28,9 @@ MotionFunction CarMotion(double duration);
 /// up to 1.5 m/s, moving from the first instant.
 MotionFunction FlightMotion();
 
+/// On a circle in the plane at constant `speed` [m/s] and `yaw_rate` [rad/s], from the origin.
+MotionFunction BendMotion(double speed, double yaw_rate);
+
 /// Standing still for good at the origin.
 MotionFunction RestingMotion();
 

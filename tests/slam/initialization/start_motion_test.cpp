@@ -71,6 +71,36 @@ TEST(StartFromImages, FindsVelocityAndGravityOfAFlight) {
   EXPECT_GE(num_found, 3);
 }
 
+TEST(StartFromImages, StereoStartsWithinASecondAtAnySpeedInAnyBend) {
+  int num_found = 0;
+  for (int k = 0; k < 40; ++k) {
+    SampledDriveOptions options;
+    options.seed = static_cast<std::uint32_t>(100 + k);
+    options.duration = 1.1;
+    options.camera_rate = 10;
+    options.num_cameras = 2;
+    options.has_wheels = false;
+    options.points_per_meter = 6;
+    options.tracks = 150;
+    const double speed = 15 + 20.0 * k / 39, yaw_rate = (k % 2 == 0 ? 1 : -1) * (k % 8) / 7.0;
+    SampledDrive drive = MakeBendDrive(options, speed, yaw_rate);
+    drive.rig.vehicle.reset();  // or the height of the cameras would tell the scale
+    const ImuBuffer imu = BuffersOf(drive).imu;
+    const auto bias = EstimateGyroscopeBias(drive.frames, imu, drive.rig);
+    ASSERT_TRUE(bias);
+
+    const auto start = StartFromImages(imu, drive.frames, drive.rig, *bias, drive.imu.front().time,
+                                       imu.back().time);
+
+    if (!start) continue;
+    ++num_found;
+    EXPECT_NEAR(start->state.velocity_in_odom.norm(), speed, 0.03 * speed) << yaw_rate << " rad/s";
+    EXPECT_LT(TiltError(drive, start->state.odom_from_imu.rotation), 0.05)
+        << speed << " m/s, " << yaw_rate << " rad/s";
+  }
+  EXPECT_EQ(num_found, 40);
+}
+
 TEST(StartFromImages, RefusesACarAtConstantSpeedWhoseScaleNothingTells) {
   SampledDriveOptions options;
   options.start = 11;
