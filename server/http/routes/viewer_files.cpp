@@ -103,14 +103,31 @@ bool ViewerFiles::Send(const httplib::Request& request, httplib::Response& respo
   }
   const File& file = found->second;
   if (!file.gzip.empty()) response.set_header("Vary", "Accept-Encoding");
-  if (SendNotModified(request, response, file.etag, file.cache_control)) return true;
-  response.status = 200;
+  if (!SendNotModified(request, response, file.etag, file.cache_control))
+    SendFile(file, request, response, 200);
+  return true;
+}
+
+bool ViewerFiles::SendForLostPerson(const httplib::Request& request,
+                                    httplib::Response& response) const {
+  const auto page = files_.find(kIndex);
+  const bool is_person = request.get_header_value("Accept").find("text/html") != std::string::npos;
+  if (page == files_.end() || !is_person || request.path.starts_with("/api/") ||
+      (request.method != "GET" && request.method != "HEAD"))
+    return false;
+  response.set_header("Vary", "Accept, Accept-Encoding");
+  SendFile(page->second, request, response, 404);
+  return true;
+}
+
+void ViewerFiles::SendFile(const File& file, const httplib::Request& request,
+                           httplib::Response& response, int status) {
+  response.status = status;
   response.set_header("ETag", file.etag);
   response.set_header("Cache-Control", file.cache_control);
   const bool is_packed = !file.gzip.empty() && TakesGzip(request);
   if (is_packed) response.set_header("Content-Encoding", "gzip");
   response.set_content(is_packed ? file.gzip : file.content, file.content_type);
-  return true;
 }
 
 }  // namespace parkade

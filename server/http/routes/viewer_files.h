@@ -23,6 +23,10 @@ class ViewerFiles {
   /// not the viewer's.
   bool Send(const httplib::Request& request, httplib::Response& response) const;
 
+  /// The page, with status 404, for a person who asked for an address that leads nowhere: it says
+  /// so, and where to go on. False for programs, and below /api/.
+  bool SendForLostPerson(const httplib::Request& request, httplib::Response& response) const;
+
  private:
   struct File {
     std::string content;
@@ -31,6 +35,9 @@ class ViewerFiles {
     std::string etag;
     std::string cache_control;
   };
+
+  static void SendFile(const File& file, const httplib::Request& request,
+                       httplib::Response& response, int status);
 
   std::map<std::string, File> files_;  ///< by path, "/assets/index-1a2b3c4d.js"
 };

@@ -189,8 +189,10 @@ class Service::Parts {
     http_.set_exception_handler(
         [this](const httplib::Request&, httplib::Response& response,
                const std::exception_ptr& thrown) { Explain(response, thrown); });
-    http_.set_error_handler([](const httplib::Request& request, httplib::Response& response) {
-      ExplainError(request, response);
+    http_.set_error_handler([this](const httplib::Request& request, httplib::Response& response) {
+      const bool is_lost = response.status == 404 && response.body.empty();
+      if (!is_lost || !viewer_.SendForLostPerson(request, response))
+        ExplainError(request, response);
     });
     http_.set_expect_100_continue_handler(
         [this](const httplib::Request& request, httplib::Response& response) {

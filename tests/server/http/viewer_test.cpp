@@ -72,6 +72,17 @@ TEST_F(Viewer, GivesOutNothingElse) {
   ExpectProblem(client().Get("/api/v2"), 404, "not_found");
 }
 
+TEST_F(Viewer, GivesAPersonThePageWhereAnAddressLeadsNowhere) {
+  const httplib::Headers person = {{"Accept", "text/html,application/xhtml+xml,*/*;q=0.8"}};
+  const auto page = client().Get("/"), lost = client().Get("/nowhere/else", person);
+  ASSERT_TRUE(page);
+  ASSERT_TRUE(lost);
+  EXPECT_EQ(lost->status, 404);
+  EXPECT_EQ(lost->body, page->body);
+  ExpectProblem(client().Get("/nowhere/else"), 404, "not_found");
+  ExpectProblem(client().Get("/api/v1/nowhere", person), 404, "not_found");
+}
+
 TEST_F(Viewer, HasNoBasemapUnlessOneIsNamed) {
   EXPECT_EQ(client().Get("/viewer.json")->body, R"({"basemap":null})");
   EXPECT_EQ(client().Get("/basemap.pmtiles")->status, 404);
