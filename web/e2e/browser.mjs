@@ -9,6 +9,8 @@ import { chromium } from 'playwright-core';
 const kArguments = ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run',
   '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 
+const kPatience = 60_000; // [ms] a machine that compiles beside it takes its time
+
 /** Opens a browser, whose profile goes with it. `context.newPage()` opens pages. */
 export async function openBrowser(viewport = { width: 1280, height: 720 }) {
   const profile = await mkdtemp(path.join(tmpdir(), 'parkade-chromium-'));
@@ -17,6 +19,7 @@ export async function openBrowser(viewport = { width: 1280, height: 720 }) {
     viewport,
     args: kArguments,
   });
+  context.setDefaultTimeout(kPatience);
   return {
     context,
     async close() {
@@ -41,7 +44,7 @@ export async function openPage(context, address) {
 }
 
 /** Waits until something is true in the page; a page that is being left is asked again. */
-async function until(page, predicate, argument, { timeout = 30_000 } = {}) {
+async function until(page, predicate, argument, { timeout = kPatience } = {}) {
   const end = Date.now() + timeout;
   for (;;) {
     const value = await page.evaluate(predicate, argument).catch((error) => {
@@ -54,11 +57,11 @@ async function until(page, predicate, argument, { timeout = 30_000 } = {}) {
 }
 
 /** Waits until a map's first ground is drawn: "lot/2". */
-export const mapShown = (page, name) => page.locator(`body[data-shown="${name}"]`).waitFor({ state: 'attached', timeout: 60_000 });
+export const mapShown = (page, name) => page.locator(`body[data-shown="${name}"]`).waitFor({ state: 'attached' });
 
 /** Waits until so many are there: what a page shows comes piece by piece. */
 export async function counted(locator, expected, why) {
-  const end = Date.now() + 30_000;
+  const end = Date.now() + kPatience;
   while ((await locator.count()) !== expected && Date.now() < end) await locator.page().waitForTimeout(50);
   assert.equal(await locator.count(), expected, why);
 }

@@ -42,15 +42,16 @@ const picture = (page) => (as) => (values.pictures ? page.screenshot({ path: pat
 
 /** Runs a check on a page of its own: "ok", "skip", or "FAIL" with what there is to say. */
 async function run(check) {
-  const page = await openPage(context, 'about:blank');
+  let page = null;
   try {
+    page = await openPage(context, 'about:blank');
     await check(page, { ...world, picture: picture(page) });
     if (page.faults.length > 0) throw new Error(`the page complained: ${page.faults.join(' | ')}`);
     return { state: 'ok' };
   } catch (error) {
     return error instanceof Skip ? { state: 'skip', said: error.message } : { state: 'FAIL', said: error.stack };
   } finally {
-    await page.close();
+    await page?.close();
   }
 }
 

@@ -102,9 +102,9 @@ export const checks = {
     page.faults.length = 0;
     isBroken = false;
     await page.getByRole('button', { name: 'Try again' }).click();
-    await page.getByText('2 entries, of those read so far').waitFor();
+    await page.getByText('the newest 2 entries').waitFor();
     await page.getByLabel('Find by').fill('anne judged');
-    await page.getByText('0 of 2 entries').waitFor();
+    await page.getByText('0 of the newest 2 entries').waitFor();
     await page.getByRole('button', { name: 'Look further back' }).click();
     await page.getByText('1 of 3 entries').waitFor();
     assert.equal(await page.getByRole('link', { name: 'lot/2' }).getAttribute('href'), '/sites/lot/maps/2');

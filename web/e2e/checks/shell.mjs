@@ -24,6 +24,8 @@ export const checks = {
   async 'an address that leads nowhere says so'(page, { address }) {
     await page.goto(`${address}/sites/lot/maps/1/2/3`);
     await page.getByRole('heading', { name: 'There is nothing at this address' }).waitFor();
+    await page.getByText('/sites/lot/maps/1/2/3').waitFor();
+    page.faults = page.faults.filter((fault) => !/404.*maps\/1\/2\/3$/.test(fault)); // the page may come as an answer of 404
     await page.getByRole('main').getByRole('link', { name: 'All sites' }).click();
     await page.waitForURL('**/sites');
   },

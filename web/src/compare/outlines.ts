@@ -8,8 +8,8 @@ import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeome
 import type { Vector } from '../api/types';
 import type { Change } from './changes';
 
-export const kLoss = 0xd1495b;
-export const kGain = 0x2a9d6f;
+const kLoss = 0xd1495b;
+const kGain = 0x2a9d6f;
 const kChosen = 0xffd400;
 const kLift = 0.06; // [m] above the ground
 

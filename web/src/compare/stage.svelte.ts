@@ -115,7 +115,7 @@ export class CompareStage {
 export const kRanges = [0.02, 0.05, 0.1, 0.2, 0.5]; // [m]
 
 /** The least of the ranges that holds a difference. */
-export const niceRange = (difference: number): number => kRanges.find((range) => range >= Math.max(difference, kLeastRange)) ?? kRanges.at(-1)!;
+const niceRange = (difference: number): number => kRanges.find((range) => range >= Math.max(difference, kLeastRange)) ?? kRanges.at(-1)!;
 
 async function loadGround(map: MapVersion): Promise<BufferGeometry> {
   const file = map.files.find(({ name }) => name === 'ground.ply');

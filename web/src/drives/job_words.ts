@@ -3,7 +3,7 @@
 import type { Job } from '../api/types';
 
 /** Stages in their order, as server/pipeline/plan_stages.cpp has them, and what each does. */
-export const kStages: readonly { name: string; about: string }[] = [
+const kStages: readonly { name: string; about: string }[] = [
   { name: 'track', about: 'Follows the car through the images, with IMU, wheels and GNSS' },
   { name: 'close loops', about: 'Finds places that the drive passed twice' },
   { name: 'refine', about: 'Adjusts all poses and the calibration together' },

@@ -95,7 +95,7 @@ export function lookOf({ rotation }: Rigid): string {
   return `${names[eighth]}, ${tilt}`;
 }
 
-export const kIdentity: Rigid = { rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], translation: [0, 0, 0] };
+const kIdentity: Rigid = { rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], translation: [0, 0, 0] };
 
 export function inverse({ rotation: r, translation: t }: Rigid): Rigid {
   const column = (i: 0 | 1 | 2): Vector => [r[0][i], r[1][i], r[2][i]];

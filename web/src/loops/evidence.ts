@@ -158,7 +158,7 @@ function linksOf(report: Report): Evidence[] {
 }
 
 /** How little an item is backed: few inliers, or far from where everything else puts it. */
-export function doubtOf({ inliers, chiSquared }: Pick<Evidence, 'inliers' | 'chiSquared'>): number {
+function doubtOf({ inliers, chiSquared }: Pick<Evidence, 'inliers' | 'chiSquared'>): number {
   return kMinInliers / Math.max(inliers, 1) + chiSquared / kMaxChiSquared;
 }
 

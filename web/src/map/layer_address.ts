@@ -2,7 +2,7 @@
 
 import { kPathColors, type PathColor } from '../scene/layers/path_colors';
 
-export const kLayerNames = [
+const kLayerNames = [
   'ground', 'free', 'ortho', 'slots', 'markings', 'kerbs', 'surfaces', 'paths', 'keyframes', 'loops', 'links', 'gnss',
 ] as const;
 export type LayerName = (typeof kLayerNames)[number];

@@ -10,7 +10,7 @@ import { kPalette } from '../scene/ground_look';
 import type { MapScene } from '../scene/map_scene';
 import { selectionOfText, textOfSelection } from './selection_text';
 
-export const kTabs = ['info', 'time', 'loops', 'measure', 'review', 'pins', 'share'] as const;
+const kTabs = ['info', 'time', 'loops', 'measure', 'review', 'pins', 'share'] as const;
 export type Tab = (typeof kTabs)[number];
 
 /** Who is told of clicks into the picture; "look" is what they mean when no tool is chosen. */

@@ -35,6 +35,7 @@ interface Events {
 const kMargin = 1.08; // around what is looked at
 const kNearest = 5; // [m] from which all is looked at
 const kSteady = 4; // [px] by which a pointer may move in a click
+const kStill = 1e-3; // [m] by which a camera is not moved
 const kKeyStep = 40; // [px] by which an arrow key moves the map
 const kHighest = 1e9; // [m]
 
@@ -58,6 +59,7 @@ export class MapScene {
   private readonly observer: ResizeObserver;
   private bounds: Bounds = { min: [-10, -10, 0], max: [10, 10, 1] };
   private frame = 0;
+  private whole: { direction: THREE.Vector3; position: THREE.Vector3 } | null = null; // the last view of everything
   private sample: THREE.Mesh | null = null; // holds what was compiled for it
 
   constructor(private readonly canvas: HTMLCanvasElement) {
@@ -313,6 +315,7 @@ export class MapScene {
     this.controls.target.copy(center);
     this.camera.position.copy(center).addScaledVector(toCamera, distance);
     this.controls.update();
+    this.whole = { direction, position: this.camera.position.clone() };
     this.requestFrame();
   }
 
@@ -322,6 +325,8 @@ export class MapScene {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    // Whoever looks at everything goes on doing so in a picture of another shape.
+    if (this.whole && this.camera.position.distanceTo(this.whole.position) < kStill) this.lookFrom(this.whole.direction);
     this.emit('view');
     this.requestFrame();
   }

@@ -24,6 +24,11 @@ test('details leave out what is empty', () => {
   expect(detailOf({ detail: null })).toBe('');
 });
 
+test('details are said as the rest of the page says them', () => {
+  expect(detailOf({ detail: { to: 'in_review' } })).toBe('to: in review');
+  expect(detailOf({ detail: { expires_at: '2026-12-07T07:27:46.992Z' } })).toMatch(/^expires at: 2026-12-0[678] \d\d:27$/);
+});
+
 test('what an entry tells of is linked where it has a place', () => {
   expect(placeOf(entry)).toBe('/sites/lot/maps/2');
   expect(placeOf({ action: 'drive.create', subject: '27f' })).toBe('/drives/27f');

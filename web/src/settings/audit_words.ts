@@ -2,6 +2,7 @@
 
 import type { Schemas } from '../api/client';
 import { pathOf } from '../shell/routes';
+import { sayTime } from '../ui/when';
 
 export type AuditEntry = Schemas['AuditEntry'];
 
@@ -46,12 +47,15 @@ export const deedOf = ({ action }: Pick<AuditEntry, 'action'>) => kDeeds[action]
 export function detailOf({ detail }: Pick<AuditEntry, 'detail'>): string {
   return Object.entries((detail ?? {}) as Record<string, unknown>)
     .filter(([, value]) => value !== null && value !== '')
-    .map(([name, value]) => `${name}: ${typeof value === 'string' ? shortened(value) : JSON.stringify(value)}`)
+    .map(([name, value]) => `${name.replaceAll('_', ' ')}: ${typeof value === 'string' ? said(value) : JSON.stringify(value)}`)
     .join(', ');
 }
 
-/** Hashes are told apart by their beginnings. */
-const shortened = (text: string) => (/^[0-9a-f]{64}$/.test(text) ? `${text.slice(0, 12)}…` : text);
+function said(text: string): string {
+  if (/^[0-9a-f]{64}$/.test(text)) return `${text.slice(0, 12)}…`; // hashes are told apart by their beginnings
+  if (/^\d{4}-\d\d-\d\dT[\d:.]+Z$/.test(text)) return sayTime(text);
+  return text === 'in_review' ? 'in review' : text;
+}
 
 /** Where the subject of an entry is shown; null where it has no place of its own. */
 export function placeOf({ action, subject }: Pick<AuditEntry, 'action' | 'subject'>): string | null {

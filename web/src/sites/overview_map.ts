@@ -134,6 +134,7 @@ export class OverviewMap {
   private watchBasemap(onfault: (fault: string) => void): void {
     let fault = '';
     let isDrawn = false;
+    let isAskedFor = false;
     this.map.on('error', (event) => {
       if ((event as { sourceId?: string }).sourceId === 'basemap') fault = faultOf(event.error as { status?: number });
       else console.error(event.error);
@@ -141,16 +142,17 @@ export class OverviewMap {
     this.map.on('sourcedata', ({ sourceId, tile }: { sourceId?: string; tile?: unknown }) => {
       if (sourceId !== 'basemap' || !tile || isDrawn) return;
       isDrawn = true;
-      clearInterval(this.basemapWatch);
       this.container.dataset['basemap'] = 'drawn';
       this.map.setLayoutProperty('grid', 'visibility', 'none'); // it stands in for a basemap
       onfault('');
     });
+    // A frame asks for the tiles that it lacks: before the first there are none to wait for.
+    this.map.on('render', () => void (isAskedFor ||= this.map.getSource('basemap')?.loaded() ?? false));
     // No event says that none came, and without a tile no frame is drawn either.
     this.basemapWatch = setInterval(() => {
-      if (!this.map.areTilesLoaded()) return;
+      if ((!isAskedFor && fault === '') || !this.map.areTilesLoaded()) return;
       clearInterval(this.basemapWatch);
-      onfault(fault || 'it has no tiles of this place');
+      if (!isDrawn) onfault(fault || 'it has no tiles of this place');
       this.map.triggerRepaint();
     }, kPatience);
   }

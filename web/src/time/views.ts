@@ -24,7 +24,7 @@ export interface Views {
 const kOfDrive = 12;
 
 /** Best resolution first, whichever drive it is of. */
-export function merged(answers: { drive: { id: string; name: string }; views: Schemas['Views']['views'] }[]): View[] {
+function merged(answers: { drive: { id: string; name: string }; views: Schemas['Views']['views'] }[]): View[] {
   return answers
     .flatMap(({ drive, views }) =>
       views.map(({ camera, time, pixel, distance, resolution, url }) => ({

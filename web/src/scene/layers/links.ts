@@ -63,7 +63,7 @@ interface Pair {
   links: { time_a?: number; time_b?: number; weight: number; state?: string }[];
 }
 
-export const pairsOf = (report: Report) => (report.join?.pairs ?? []) as Pair[];
+const pairsOf = (report: Report) => (report.join?.pairs ?? []) as Pair[];
 
 export function linksOf(report: Report, trackOf: TrackOf): Edges {
   return drawn(

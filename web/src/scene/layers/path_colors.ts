@@ -22,7 +22,7 @@ export const kQuantities: Record<Exclude<PathColor, 'drive'>, Quantity> = {
     title: 'Residual', about: 'of tracked points, in the worst camera', unit: 'mrad', series: 'residual', scale: 1000, reach: 1.5,
   },
   speed: { title: 'Speed', about: 'forward or backward', unit: 'm/s', series: 'speed', scale: 1, reach: 1 },
-  sigma: { title: 'Sigma of the position', about: 'since the first pose of the drive', unit: 'm', series: 'sigma_position', scale: 1, reach: 5 },
+  sigma: { title: 'Sigma of position', about: 'since the first pose of the drive', unit: 'm', series: 'sigma_position', scale: 1, reach: 5 },
   gnss: { title: 'GNSS error', about: 'of the fixes off the way; gray: no fix', unit: 'm', series: 'gnss_error', scale: 1, reach: 2 },
 };
 
