@@ -10,8 +10,9 @@
 namespace parkade {
 namespace {
 
-constexpr double kSlowest = 0.3, kFastest = 60;  // [m/s]
-constexpr double kStep = 1.35;                   // between speeds that are tried
+constexpr double kSlowest = 0.3;  // [m/s]
+constexpr double kStep = 1.35;    // between speeds that are tried
+constexpr int kNumSpeeds = 18;    // up to 50 m/s
 constexpr size_t kMaxHypotheses = 3;
 constexpr double kScanNoise = 3;  // widens the valleys, so that a step does not pass one over
 constexpr int kRounds = 3;        // of direction and down, which need each other
@@ -91,8 +92,9 @@ Hypothesis AtSpeed(const StartProblem& problem, double speed) {
 
 std::vector<StartMotion> FindStartHypotheses(const StartProblem& problem) {
   std::vector<Hypothesis> scan;
-  for (double speed = kSlowest; speed < kFastest; speed *= kStep)
-    scan.push_back(AtSpeed(problem, speed));
+  scan.reserve(kNumSpeeds);
+  for (int k = 0; k < kNumSpeeds; ++k)
+    scan.push_back(AtSpeed(problem, kSlowest * std::pow(kStep, k)));
   std::vector<Hypothesis> valleys;
   for (size_t i = 0; i < scan.size(); ++i)
     if ((i == 0 || scan[i].cost <= scan[i - 1].cost) &&
@@ -102,6 +104,7 @@ std::vector<StartMotion> FindStartHypotheses(const StartProblem& problem) {
             [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
   if (valleys.size() > kMaxHypotheses) valleys.resize(kMaxHypotheses);
   std::vector<StartMotion> motions;
+  motions.reserve(valleys.size());
   for (const Hypothesis& valley : valleys) motions.push_back(valley.motion);
   return motions;
 }

@@ -6,7 +6,7 @@
 
 namespace parkade {
 
-/// Motions from which to adjust: the speeds, of 0.3 to 60 m/s, at which the rays of all tracks meet
+/// Motions from which to adjust: the speeds, of 0.3 to 50 m/s, at which the rays of all tracks meet
 /// better than at neighboring ones; at least one, the best first. From elsewhere an adjustment
 /// ends in another valley: from 10 m/s it does not find 23.
 ///

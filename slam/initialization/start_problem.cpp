@@ -89,7 +89,7 @@ void TakeMost(std::vector<StartTrack>& tracks, size_t count, const Value& value,
 /// Tracks are taken for the camera that saw them first: those with most observations; of the others
 /// those that move most, which are near, and those that look down most: a fast car sees the ground,
 /// which may tell the scale, for a moment only.
-std::vector<StartTrack> TracksToUse(std::map<std::int64_t, StartTrack> tracks,
+std::vector<StartTrack> TracksToUse(std::map<std::int64_t, StartTrack>&& tracks,
                                     const StartProblem& problem, const Rig& rig) {
   const Eigen::Vector3d down_in_imu =
       rig.body_from_imu.rotation.conjugate() * -Eigen::Vector3d::UnitZ();
