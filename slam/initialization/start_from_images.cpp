@@ -54,10 +54,10 @@ std::optional<Candidate> BestHypothesis(const StartProblem& problem) {
   return best;
 }
 
-/// How well images and IMU tell the logarithm of the way.
-struct ScaleKnowledge {
-  double sigma = 0;
-  bool is_of_overlap = false;  ///< rather by what several cameras see than by acceleration
+/// How well the scale of a start is known.
+struct KnownScale {
+  double sigma = 0;  ///< of its logarithm; infinite where ground and IMU contradict each other
+  bool is_measured = false;  ///< by the ground or by cameras that see the same, not by acceleration
 };
 
 double VarianceOfScale(const StartProblem& problem, const StartFit& fit) {
@@ -69,7 +69,7 @@ double VarianceOfScale(const StartProblem& problem, const StartFit& fit) {
 /// Errors that tracks and IMU keep over seconds look like acceleration: where that alone tells
 /// scale, sigma is far more than white noise has it. Cameras that see the same are only as
 /// good as their mounts.
-ScaleKnowledge KnowScale(const Candidate& candidate) {
+KnownScale KnowScale(const Candidate& candidate) {
   Candidate apart = candidate;
   for (StartTrack& track : apart.problem.tracks) {
     const auto camera_of = [&](const StartObservation& seen) {
@@ -104,11 +104,6 @@ Candidate Rescaled(const Candidate& candidate, double factor,
   return rescaled;
 }
 
-struct KnownScale {
-  double sigma = 0;  ///< of its logarithm; infinite where ground and IMU contradict each other
-  bool is_measured = false;  ///< by the ground, or by cameras that see the same
-};
-
 /// Takes the scale from the ground where it is there to be seen.
 KnownScale UseGround(Candidate& candidate, const Rig& rig) {
   std::optional<GroundScale> ground = MeasureGroundScale(candidate.problem, rig);
@@ -119,16 +114,16 @@ KnownScale UseGround(Candidate& candidate, const Rig& rig) {
     candidate = std::move(rescaled);
     ground = MeasureGroundScale(candidate.problem, rig);
   }
-  const auto [sigma, is_of_overlap] = KnowScale(candidate);
-  if (!ground) return {sigma, is_of_overlap};
+  const KnownScale without = KnowScale(candidate);
+  if (!ground) return without;
   if (std::abs(ground->log_scale) >
-      kMaxDisagreement * std::hypot(ground->sigma, sigma, kSystematicScale))
+      kMaxDisagreement * std::hypot(ground->sigma, without.sigma, kSystematicScale))
     return {std::numeric_limits<double>::infinity(), true};
   const double way =
       WayOf(candidate.problem, candidate.fit.motion).norm() * std::exp(ground->log_scale);
   candidate = Rescaled(candidate, std::exp(ground->log_scale), ScalePrior{way, ground->sigma},
                        kLastIterations);
-  return {1 / std::hypot(1 / sigma, 1 / ground->sigma), true};
+  return {1 / std::hypot(1 / without.sigma, 1 / ground->sigma), true};
 }
 
 /// Whether the car stands, by its images alone: a running motor may well shake the IMU.

@@ -75,10 +75,10 @@ Hypothesis AtSpeed(const StartProblem& problem, double speed) {
     StartMotion motion{Eigen::Vector3d::Zero(), SteadyGravity(problem, Eigen::Vector3d::Zero()),
                        problem.linearized_at};
     for (int round = 0; round < kRounds; ++round) {
-      // The planes tell the direction but for its sign, which the first round fixes.
-      const Eigen::Vector3d direction = DirectionAtSpeed(problem, motion.gravity, speed);
-      const bool is_turned = round > 0 && direction.dot(motion.velocity) < 0;
-      motion.velocity = (round == 0 ? sign : is_turned ? -1.0 : 1.0) * speed * direction;
+      // The planes do not tell the sign of the direction, which the first round fixes.
+      Eigen::Vector3d direction = DirectionAtSpeed(problem, motion.gravity, speed);
+      if (round == 0 ? sign < 0 : direction.dot(motion.velocity) < 0) direction = -direction;
+      motion.velocity = speed * direction;
       motion.gravity = SteadyGravity(problem, motion.velocity);
     }
     StartProblem placed = problem;

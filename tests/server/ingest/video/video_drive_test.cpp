@@ -113,7 +113,7 @@ TEST(VideoDrive, WhatCannotBeDecodedIsCountedByItsReason) {
   std::vector<int> expected = Count(10, 24);
   for (const int number : Count(30, kImages)) expected.push_back(number);
   EXPECT_EQ(NumbersRead(*drive, {}), expected);
-  const StreamHealth& camera = drive->health().streams.back();
+  const StreamHealth camera = drive->health().streams.back();
   EXPECT_EQ(camera.role, "cam0");
   EXPECT_EQ(camera.num_delivered, expected.size());
   EXPECT_EQ(camera.Dropped(DropReason::kWaitsForKeyFrame), 6u);
