@@ -5,7 +5,13 @@ find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED)
 find_package(OpenCV 4.5 REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d video dnn)
+# Debian's Ceres and SuiteSparse name ATLAS, where it is installed, beside the system's BLAS, and would
+# run on it: several times slower.
+set(BLA_VENDOR Generic)
 find_package(Ceres 2.1 REQUIRED)
+get_target_property(ceres_links Ceres::ceres INTERFACE_LINK_LIBRARIES)
+list(FILTER ceres_links EXCLUDE REGEX "/lib(f77blas|atlas)\\.so$")
+set_property(TARGET Ceres::ceres PROPERTY INTERFACE_LINK_LIBRARIES ${ceres_links})
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(spdlog REQUIRED)
