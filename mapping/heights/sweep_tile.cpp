@@ -55,23 +55,25 @@ std::vector<float> TileSweep::Parallaxes() const {
   return parallaxes;
 }
 
-void TileSweep::Cell::Close() {
-  if (!(last.weight > 0)) return;
-  all.weight += last.weight, all.gray += last.gray;
-  square += last.gray * last.gray / last.weight;
+void TileSweep::Cell::Add(const Sample& of_view) {
+  all.weight += of_view.weight, all.gray += of_view.gray;
+  square += of_view.gray * of_view.gray / of_view.weight;
   ++num_views;
-  last = {};
 }
 
 /// Row by row, with a rim of one that gathers what lies outside.
 std::vector<TileSweep::Cell> TileSweep::AddUp(float offset, int cells_in_one) const {
   const int across = NumCells(cells_in_one) + 2;
   std::vector<Cell> cells(static_cast<std::size_t>(across) * static_cast<std::size_t>(across));
+  // What the view at hand says lies apart and close together: it is touched most often.
+  std::vector<Sample> of_view(cells.size());
+  std::vector<std::int32_t> seen(cells.size() + 1);
   std::array<std::int32_t, kChunk> at;
   const auto limit = static_cast<float>(across - 1);
   const float scale = 1 / static_cast<float>(cells_in_one);
   for (std::size_t view = 0; view < views_.size(); ++view) {
     const std::size_t end = view + 1 < views_.size() ? views_[view + 1] : x_.size();
+    std::size_t num_seen = 0;
     for (std::size_t begin = views_[view]; begin < end; begin += kChunk) {
       const std::size_t count = std::min(kChunk, end - begin);
       const float *x = &x_[begin], *y = &y_[begin], *dx = &dx_[begin], *dy = &dy_[begin];
@@ -84,13 +86,15 @@ std::vector<TileSweep::Cell> TileSweep::AddUp(float offset, int cells_in_one) co
       }
       const Sample* samples = &samples_[begin];
       for (std::size_t i = 0; i < count; ++i) {
-        Cell& cell = cells[static_cast<std::size_t>(at[i])];
-        if (cell.last_view != static_cast<int>(view)) {
-          cell.Close();
-          cell.last_view = static_cast<int>(view);
-        }
-        cell.last.weight += samples[i].weight, cell.last.gray += samples[i].gray;
+        Sample& sum = of_view[static_cast<std::size_t>(at[i])];
+        seen[num_seen] = at[i];
+        num_seen += sum.weight == 0;  // weights are greater
+        sum.weight += samples[i].weight, sum.gray += samples[i].gray;
       }
+    }
+    for (std::size_t i = 0; i < num_seen; ++i) {
+      const auto cell = static_cast<std::size_t>(seen[i]);
+      cells[cell].Add(std::exchange(of_view[cell], {}));
     }
   }
   return cells;
@@ -99,11 +103,10 @@ std::vector<TileSweep::Cell> TileSweep::AddUp(float offset, int cells_in_one) co
 void TileSweep::AgreementsInto(std::size_t height, int cells_in_one,
                                std::vector<Agreement>& agreements) const {
   const int across = NumCells(cells_in_one), per_window = shape_.cells_per_window / cells_in_one;
-  std::vector<Cell> cells = AddUp(shape_.offsets[height], cells_in_one);
+  const std::vector<Cell> cells = AddUp(shape_.offsets[height], cells_in_one);
   for (int y = 0; y < across; ++y)
     for (int x = 0; x < across; ++x) {
-      Cell& cell = cells[static_cast<std::size_t>((y + 1) * (across + 2) + x + 1)];
-      cell.Close();
+      const Cell& cell = cells[static_cast<std::size_t>((y + 1) * (across + 2) + x + 1)];
       if (cell.num_views == 0) continue;
       const auto window =
           static_cast<std::size_t>(y / per_window * shape_.num_windows + x / per_window);

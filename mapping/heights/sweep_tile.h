@@ -35,6 +35,7 @@ class TileSweep {
   /// What is added from here on is of another view.
   void BeginView() { views_.push_back(x_.size()); }
 
+  /// The weight must be > 0.
   void Add(const Meeting& observation) {
     x_.push_back(observation.point.x() * per_cell_),
         y_.push_back(observation.point.y() * per_cell_);
@@ -59,13 +60,13 @@ class TileSweep {
   struct Sample {
     float weight = 0, gray = 0;
   };
-  /// What is known of a cell: of all views before the one that saw it last, and of that one.
+  /// What views say about a cell.
   struct Cell {
-    Sample all, last;
+    Sample all;
     float square = 0;  ///< of the views' means, weighted
-    int num_views = 0, last_view = -1;
+    int num_views = 0;
 
-    void Close();
+    void Add(const Sample& of_view);
   };
 
   /// Along each side, `cells_in_one` of which, along each side, make one.
