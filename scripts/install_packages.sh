@@ -12,7 +12,7 @@ build_packages=(
   libeigen3-dev libopencv-dev libopencv-contrib-dev libceres-dev libsuitesparse-dev libpcl-dev libcgal-dev libtinygltf-dev libdraco-dev
   libgeotiff-dev libtiff-dev libpugixml-dev libgeographiclib-dev libcpp-httplib-dev libssl-dev libcurl4-openssl-dev nlohmann-json3-dev libyaml-cpp-dev
   libspdlog-dev libcli11-dev
-  libsqlite3-dev libarchive-dev libzstd-dev liblz4-dev libxxhash-dev libbz2-dev zlib1g-dev libturbojpeg0-dev libpng-dev libfastcdr-dev
+  libsqlite3-dev libarchive-dev libzstd-dev liblz4-dev libxxhash-dev libbz2-dev zlib1g-dev libturbojpeg0-dev libpng-dev libprotobuf-dev libfastcdr-dev
   libavcodec-dev libavutil-dev libswscale-dev
   # Debian's Ceres would otherwise run on ATLAS, which is several times slower
   libopenblas0-pthread
@@ -31,7 +31,7 @@ runtime_packages=(
   libopencv-video406 libopencv-dnn406 libceres3 libcholmod3 libopenblas0-pthread libpcl-common1.13 libpcl-kdtree1.13 libpcl-search1.13
   libpcl-sample-consensus1.13 libpcl-filters1.13 libpcl-segmentation1.13 libpcl-features1.13 libpcl-octree1.13
   libtinygltf2d libdraco7 libgeotiff5 libtiffxx6 libpugixml1v5 libgeographiclib23 libcpp-httplib0.11 libyaml-cpp0.7 libspdlog1.10
-  libsqlite3-0 libcurl4 libarchive13 libzstd1 liblz4-1 libbz2-1.0 zlib1g libjpeg62-turbo libavcodec59 libavutil57 libswscale6 libfastcdr1 libgmp10 libmpfr6 curl
+  libsqlite3-0 libcurl4 libarchive13 libzstd1 liblz4-1 libbz2-1.0 zlib1g libjpeg62-turbo libavcodec59 libavutil57 libswscale6 libprotobuf32 libfastcdr1 libgmp10 libmpfr6 curl
 )
 
 case "${1:-}" in

@@ -4,9 +4,9 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "server/ingest/containers/open_log_source.h"
 #include "server/ingest/drive/open_drive_log.h"
 #include "server/ingest/pictures/read_picture.h"
+#include "server/ingest/schemas/translated_source.h"
 #include "server/map_folder/map_reader.h"
 
 namespace parkade {
@@ -34,7 +34,7 @@ PictureIndex ReadOrMakeIndex(const MessageSource& source, const fs::path& rig_fo
 PictureRequests::PictureRequests(const fs::path& log, const fs::path& rig_folder,
                                  const fs::path& index)
     : rig_folder_(rig_folder),
-      source_(OpenLogSource(log, {})),
+      source_(OpenTranslatedLog(log, {})),
       index_(ReadOrMakeIndex(*source_, rig_folder, index)) {}
 
 Json PictureRequests::Answer(const Json& request) {

@@ -15,7 +15,7 @@ namespace parkade {
 class PictureRequests {
  public:
   /// Opens the log, and makes its index in the file `index` unless it is there. Throws Error as
-  /// OpenLogSource and IndexPictures do.
+  /// OpenTranslatedLog and IndexPictures do.
   PictureRequests(const std::filesystem::path& log, const std::filesystem::path& rig_folder,
                   const std::filesystem::path& index);
 

@@ -7,6 +7,12 @@
 namespace parkade {
 namespace {
 
+std::string SchemaEncoding(const std::string& message_encoding) {
+  if (message_encoding == "ros1") return "ros1msg";
+  if (message_encoding == "json") return "jsonschema";
+  return message_encoding == "cdr" ? "ros2msg" : message_encoding;
+}
+
 enum Opcode : std::uint8_t {
   kHeader = 1,
   kFooter = 2,
@@ -49,7 +55,7 @@ int McapWriter::AddChannel(const std::string& topic, const std::string& type,
   const auto id = static_cast<std::uint16_t>(channels_.size());
   ByteWriter schema;  // schema ids start at 1: 0 means "no schema"
   schema.Number(static_cast<std::uint16_t>(id + 1)).PrefixedText(type);
-  schema.PrefixedText(encoding == "ros1" ? "ros1msg" : "ros2msg").PrefixedText(schema_text);
+  schema.PrefixedText(SchemaEncoding(encoding)).PrefixedText(schema_text);
   ByteWriter channel;
   channel.Number(id)
       .Number(static_cast<std::uint16_t>(id + 1))

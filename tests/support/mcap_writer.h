@@ -33,7 +33,8 @@ class McapWriter {
              const McapWriterOptions& options = {});
 
   /// A new topic. `type`: "sensor_msgs/Imu" (ros1) or "sensor_msgs/msg/Imu" (ros2); `schema_text`:
-  /// the definition as in a .msg file; `encoding`: "ros1" or "cdr". The channel for Write().
+  /// the definition as in a .msg file, a serialized FileDescriptorSet or a JSON schema; `encoding`:
+  /// "ros1", "cdr", "protobuf" or "json". The channel for Write().
   int AddChannel(const std::string& topic, const std::string& type, const std::string& schema_text,
                  const std::string& encoding);
   void Write(int channel, Timestamp time, std::span<const std::uint8_t> data);

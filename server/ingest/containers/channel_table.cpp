@@ -4,6 +4,17 @@
 #include <tuple>
 
 namespace parkade {
+namespace {
+
+std::optional<MessageEncoding> EncodingNamed(const std::string& name) {
+  if (name == "ros1") return MessageEncoding::kRos1;
+  if (name == "cdr") return MessageEncoding::kCdr;
+  if (name == "protobuf") return MessageEncoding::kProtobuf;
+  if (name == "json") return MessageEncoding::kJson;
+  return std::nullopt;
+}
+
+}  // namespace
 
 std::optional<int> TopicMap::TopicOf(std::uint32_t channel) const {
   const auto found = topic_of_channel.find(channel);
@@ -16,19 +27,19 @@ TopicMap ChannelTable::MakeTopics(
   TopicMap map;
   std::map<std::tuple<std::string, std::string, std::string>, int> known;
   for (const auto& [id, channel] : channels_) {
-    if (channel.encoding != "ros1" && channel.encoding != "cdr") {
+    const std::optional<MessageEncoding> encoding = EncodingNamed(channel.encoding);
+    if (!encoding) {
       map.topic_of_channel[id] = -1;
       continue;
     }
     const auto schema = channel.schema ? schemas_.find(*channel.schema) : schemas_.end();
-    const std::string type = Ros1TypeName(schema != schemas_.end() ? schema->second : channel.type);
+    const std::string type =
+        Ros1TypeName(schema != schemas_.end() ? schema->second.type : channel.type);
     const auto [entry, is_new] = known.try_emplace({channel.topic, type, channel.encoding},
                                                    static_cast<int>(map.topics.size()));
-    if (is_new) {
-      const bool is_ros1 = channel.encoding == "ros1";
-      map.topics.push_back(
-          {channel.topic, type, is_ros1 ? MessageEncoding::kRos1 : MessageEncoding::kCdr, 0});
-    }
+    if (is_new)
+      map.topics.push_back({channel.topic, type, *encoding, 0,
+                            schema != schemas_.end() ? schema->second.text : channel.definition});
     map.topic_of_channel[id] = entry->second;
     const auto count = num_messages.find(id);
     if (count != num_messages.end())

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <unordered_map>
@@ -26,15 +27,25 @@ class ChannelTable {
  public:
   struct Channel {
     std::string topic, type;
-    std::string encoding;                 ///< "ros1", "cdr", or one we cannot read
-    std::optional<std::uint32_t> schema;  ///< where the type is named by a schema
+    std::string encoding;  ///< "ros1", "cdr", "protobuf", "json", or one we cannot read
+    std::optional<std::uint32_t> schema;                      ///< where a schema names the type
+    std::shared_ptr<const std::string> definition = nullptr;  ///< of the type, without a schema
+  };
+  struct Schema {
+    std::string type;
+    std::shared_ptr<const std::string> text = nullptr;  ///< see TopicInfo::schema
   };
 
-  /// The first definition of an id counts. At most 65536 of each are kept.
-  void AddSchema(std::uint32_t id, const std::string& type) { Add(schemas_, id, type); }
-  void AddChannel(std::uint32_t id, const Channel& channel) { Add(channels_, id, channel); }
+  /// The first definition of an id counts. At most 65536 of each are kept, and 64 MiB of texts.
+  void AddSchema(std::uint32_t id, const Schema& schema) {
+    Add(schemas_, id, {schema.type, Kept(schema.text)});
+  }
+  void AddChannel(std::uint32_t id, const Channel& channel) {
+    Add(channels_, id,
+        {channel.topic, channel.type, channel.encoding, channel.schema, Kept(channel.definition)});
+  }
   void AddMissing(const ChannelTable& other) {
-    for (const auto& [id, type] : other.schemas_) AddSchema(id, type);
+    for (const auto& [id, schema] : other.schemas_) AddSchema(id, schema);
     for (const auto& [id, channel] : other.channels_) AddChannel(id, channel);
   }
 
@@ -51,7 +62,16 @@ class ChannelTable {
     if (table.size() < kMaxSize) table.emplace(id, value);
   }
 
-  std::map<std::uint32_t, std::string> schemas_;
+  using Text = std::shared_ptr<const std::string>;
+  Text Kept(const Text& text) {
+    constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
+    if (!text || num_text_bytes_ + text->size() > kMaxBytes) return nullptr;
+    num_text_bytes_ += text->size();
+    return text;
+  }
+
+  std::size_t num_text_bytes_ = 0;
+  std::map<std::uint32_t, Schema> schemas_;
   std::map<std::uint32_t, Channel> channels_;
 };
 

@@ -220,6 +220,10 @@ class McapLogFormat : public LogFormat {
     return file.size() >= 2 * kMagic.size() &&
            file.ReadAt(file.size() - end.size(), end) == end.size() && end == kMagic;
   }
+  /// What follows a schema's name: its encoding and its text. Null where that is damaged, or too
+  /// long to be true.
+  static std::shared_ptr<const std::string> SchemaText(ByteReader& reader, const LogRecord& record,
+                                                       std::uint64_t encoding_begin);
   static void ReadStatistics(ByteReader& reader, const LogRecord& record, LogSummary& summary);
 };
 
@@ -234,12 +238,27 @@ void McapLogFormat::Learn(ByteReader& reader, const LogRecord& record,
   if (!id || !schema || !name_size) return;
   const auto name = ReadText(reader, name_begin + 4, *name_size, kMaxText);
   if (!name) return;
-  if (is_schema) return channels.AddSchema(*id, *name);
+  if (is_schema)
+    return channels.AddSchema(*id,
+                              {*name, SchemaText(reader, record, name_begin + 4 + *name_size)});
   const std::uint64_t encoding_begin = name_begin + 4 + *name_size;
   const auto encoding_size = ReadNumber<std::uint32_t>(reader, encoding_begin);
   if (!encoding_size) return;
   const auto encoding = ReadText(reader, encoding_begin + 4, *encoding_size, kMaxText);
   if (encoding) channels.AddChannel(*id, {*name, "", *encoding, *schema});
+}
+
+std::shared_ptr<const std::string> McapLogFormat::SchemaText(ByteReader& reader,
+                                                             const LogRecord& record,
+                                                             std::uint64_t encoding_begin) {
+  constexpr std::uint64_t kMaxSchema = std::uint64_t{1} << 18;
+  const auto encoding_size = ReadNumber<std::uint32_t>(reader, encoding_begin);
+  if (!encoding_size || *encoding_size > record.data_size) return nullptr;
+  const std::uint64_t text_begin = encoding_begin + 4 + *encoding_size;
+  const auto text_size = ReadNumber<std::uint32_t>(reader, text_begin);
+  if (!text_size || text_begin + 4 + *text_size > record.end) return nullptr;
+  auto text = ReadText(reader, text_begin + 4, *text_size, kMaxSchema);
+  return text ? std::make_shared<const std::string>(std::move(*text)) : nullptr;
 }
 
 LogSummary McapLogFormat::ReadSummary(const InputFile& file, ChannelTable& channels) const {

@@ -12,8 +12,8 @@
 namespace parkade {
 
 /// How a message's bytes are to be read. kEuroc: a line of a data.csv, for images the path of the
-/// file.
-enum class MessageEncoding { kRos1, kCdr, kEuroc };
+/// file. kProtobuf and kJson mean nothing without the topic's schema: see ingest/schemas.
+enum class MessageEncoding { kRos1, kCdr, kEuroc, kProtobuf, kJson };
 
 /// One topic of a log file.
 struct TopicInfo {
@@ -22,6 +22,11 @@ struct TopicInfo {
                       ///< "sensor_msgs/msg/Image"
   MessageEncoding encoding = MessageEncoding::kRos1;
   std::uint64_t num_messages = 0;  ///< as far as known from the index
+  /// What the log has to describe the type: the text of a .msg file and of those that it needs, a
+  /// serialized google.protobuf.FileDescriptorSet, a JSON schema. Null where it has none.
+  std::shared_ptr<const std::string> schema = nullptr;
+  /// The type as the log names it, where messages are turned into ROS messages of `type`.
+  std::string native_type = "";
 };
 
 /// Where a message lies in its log.

@@ -196,14 +196,16 @@ void Rosbag1LogFormat::Learn(ByteReader& reader, const LogRecord& record,
   const auto topic = header ? header->Text("topic") : std::nullopt;
   if (!id || !topic) return;
   channel.topic = *topic;
-  // The data are fields, too; the long one, message_definition, is skipped.
+  // The data are fields, too.
   for (std::uint64_t offset = record.data_begin; offset < record.end;) {
-    constexpr std::size_t kEnoughForType = 512;
+    constexpr std::uint64_t kMaxText = std::uint64_t{1} << 18;
+    constexpr std::string_view kDefinition = "message_definition=";
     const auto size = ReadNumber<std::uint32_t>(reader, offset);
     if (!size || *size > record.end - offset) return;
-    const auto text = ReadText(reader, offset + 4, std::min<std::uint64_t>(*size, kEnoughForType),
-                               kEnoughForType);
+    const auto text = ReadText(reader, offset + 4, *size, kMaxText);
     if (text && text->starts_with("type=")) channel.type = text->substr(5);
+    if (text && text->starts_with(kDefinition))
+      channel.definition = std::make_shared<const std::string>(text->substr(kDefinition.size()));
     offset += 4 + std::uint64_t{*size};
   }
   if (!channel.type.empty()) channels.AddChannel(*id, channel);

@@ -4,7 +4,6 @@
 #include "core/log.h"
 #include "core/parallel.h"
 #include "server/ingest/containers/euroc_source.h"
-#include "server/ingest/containers/open_log_source.h"
 #include "server/ingest/drive/clock_plan.h"
 #include "server/ingest/drive/euroc_rig.h"
 #include "server/ingest/drive/file_drive.h"
@@ -12,6 +11,7 @@
 #include "server/ingest/drive/recorded_drive_parts.h"
 #include "server/ingest/drive/rig_discovery.h"
 #include "server/ingest/drive/stream_selection.h"
+#include "server/ingest/schemas/translated_source.h"
 
 namespace parkade {
 namespace {
@@ -140,11 +140,11 @@ std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
 
 std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(const fs::path& log,
                                                           const OpenLogOptions& options) {
-  return OpenDriveLogs(OpenLogSource(log, options.scratch_folder), log, options);
+  return OpenDriveLogs(OpenTranslatedLog(log, options.scratch_folder), log, options);
 }
 
 std::unique_ptr<RecordedDrive> OpenDriveLog(const fs::path& log, const OpenLogOptions& options) {
-  return OpenDriveLog(OpenLogSource(log, options.scratch_folder), log, options);
+  return OpenDriveLog(OpenTranslatedLog(log, options.scratch_folder), log, options);
 }
 
 std::unique_ptr<RecordedDrive> OpenDriveLog(const std::shared_ptr<const MessageSource>& source,

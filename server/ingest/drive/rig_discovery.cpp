@@ -71,7 +71,8 @@ class RigCollector {
       if (IsImageType(type) && LastPart(plain) != "semantic" &&
           LastPart(plain) != "compressedDepth")
         AddImageTopic(cameras[CameraOf(plain, folders_with_info)], i);
-      if (type == "tf2_msgs/TFMessage" && plain.ends_with("tf_static"))
+      if (type == "tf2_msgs/TFMessage" &&
+          (plain.ends_with("tf_static") || !topics_[i].native_type.empty()))
         transform_topics_.push_back(static_cast<int>(i));
     }
     for (auto& [folder, camera] : cameras) {

@@ -2,10 +2,10 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "server/ingest/containers/open_log_source.h"
 #include "server/ingest/drive/open_drive_log.h"
 #include "server/ingest/messages/image_decoding.h"
 #include "server/ingest/messages/message_decoding.h"
+#include "server/ingest/schemas/translated_source.h"
 #include "server/ingest/video/encoded_image.h"
 
 namespace parkade {
@@ -175,7 +175,7 @@ int LogInspection::ExitStatus() const {
 
 LogInspection InspectLog(const fs::path& log, const fs::path& rig_folder,
                          const fs::path& scratch_folder) {
-  const std::shared_ptr<const MessageSource> source = OpenLogSource(log, scratch_folder);
+  const std::shared_ptr<const MessageSource> source = OpenTranslatedLog(log, scratch_folder);
   LogInspection inspection;
   inspection.name = log.filename().string();
   inspection.format = source->format();
