@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/camera_model.h"
+#include "core/field_map.h"
 #include "core/rigid3.h"
 
 namespace parkade {
@@ -46,6 +47,7 @@ struct VehicleCalibration {
   std::string gnss_topic;
   double wheel_scale = 1;                          ///< [m/s] of one unit of the log's wheel speeds
   std::optional<Eigen::Vector3d> antenna_in_body;  ///< [m] GNSS antenna
+  FieldMap fields = {};                            ///< sensors in messages of other types
 };
 
 /// The calibrated sensors of one car, valid once ValidateRig has passed.

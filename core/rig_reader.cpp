@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/rig.h"
+#include "core/rig_fields.h"
 #include "core/rig_files.h"
 #include "core/yaml_file.h"
 
@@ -203,6 +204,7 @@ VehicleCalibration ReadVehicle(const YamlNode& vehicle) {
                                  .gnss_topic = TextOr(vehicle, "gnss_topic", ""),
                                  .wheel_scale = NumberOr(vehicle, "wheel_scale", 1),
                                  .antenna_in_body = {}};
+  if (vehicle.Has("fields")) calibration.fields = ReadFieldMap(vehicle.At("fields"));
   if (vehicle.Has("p_body_gnss")) {
     const std::vector<double> antenna = NumbersAt(vehicle, "p_body_gnss", {3});
     calibration.antenna_in_body = Eigen::Vector3d(antenna[0], antenna[1], antenna[2]);

@@ -5,6 +5,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/rig.h"
+#include "core/rig_fields.h"
 
 namespace parkade {
 namespace {
@@ -125,6 +126,7 @@ void WriteVehicle(const Rig& rig, const path& file) {
   WriteScale(out, "wheel_scale", rig.vehicle->wheel_scale);
   if (const auto& antenna = rig.vehicle->antenna_in_body)
     WriteNumbers(out, "p_body_gnss", {antenna->x(), antenna->y(), antenna->z()});
+  WriteFieldMap(out, rig.vehicle->fields);
   Finish(out, file);
 }
 

@@ -18,6 +18,7 @@ class YamlNode {  // NOLINT(bugprone-exception-escape): a copy of yaml-cpp's nod
  public:
   YamlNode(const YAML::Node& node, std::string where) : node_(node), where_(std::move(where)) {}
 
+  bool IsMap() const { return node_.IsMap(); }
   bool Has(const std::string& key) const;
   YamlNode At(const std::string& key) const;
 

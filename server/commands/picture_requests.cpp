@@ -6,6 +6,7 @@
 #include "core/file.h"
 #include "server/ingest/drive/open_drive_log.h"
 #include "server/ingest/pictures/read_picture.h"
+#include "server/ingest/schemas/mapped_source.h"
 #include "server/ingest/schemas/translated_source.h"
 #include "server/map_folder/map_reader.h"
 
@@ -15,8 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-PictureIndex ReadOrMakeIndex(const MessageSource& source, const fs::path& rig_folder,
-                             const fs::path& file) {
+PictureIndex ReadOrMakeIndex(const std::shared_ptr<const MessageSource>& source,
+                             const fs::path& rig_folder, const fs::path& file) {
   if (fs::exists(file)) {
     try {
       return DecodePictureIndex(ReadFile(file));
@@ -24,7 +25,9 @@ PictureIndex ReadOrMakeIndex(const MessageSource& source, const fs::path& rig_fo
       // of an older program, or damaged: made anew
     }
   }
-  const PictureIndex index = IndexPictures(source, FindRig(source, rig_folder));
+  Rig rig = FindRig(*source, rig_folder);
+  const auto mapped = MapFields(source, rig);
+  const PictureIndex index = IndexPictures(*mapped, rig);
   WriteFileAtomically(file, EncodePictureIndex(index));
   return index;
 }
@@ -35,7 +38,7 @@ PictureRequests::PictureRequests(const fs::path& log, const fs::path& rig_folder
                                  const fs::path& index)
     : rig_folder_(rig_folder),
       source_(OpenTranslatedLog(log, {})),
-      index_(ReadOrMakeIndex(*source_, rig_folder, index)) {}
+      index_(ReadOrMakeIndex(source_, rig_folder, index)) {}
 
 Json PictureRequests::Answer(const Json& request) {
   return request.contains("point") ? FindViews(request) : WritePicture(request);

@@ -126,6 +126,39 @@ TEST_F(RigFolder, TheVehicleFileMovesTheBodyAwayFromTheImu) {
       1e-12);
 }
 
+TEST_F(RigFolder, AFieldMapSaysWhereSignalsStand) {
+  const std::string mount = "T_imu_body: [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]\ntrack: 1.5\n";
+  Write("vehicle.yaml", mount +
+                            "fields:\n  wheels:\n    topic: /can\n    ticks_left: data[0]\n"
+                            "    ticks_right: {path: 'data[1]', scale: -1, offset: 2}\n"
+                            "    stamp: {topic: /clock, path: t}\n    meters_per_tick: 0.02\n");
+  const fs::path copy = folder_ / "copy";
+  fs::create_directories(copy);
+
+  WriteRig(ReadRig(folder_), copy);
+  const FieldMap map = ReadRig(copy).vehicle->fields;
+
+  EXPECT_TRUE(map.imu.empty());
+  ASSERT_EQ(map.wheels.size(), 3U);
+  EXPECT_EQ(map.wheels.at("ticks_left").topic, "/can");
+  EXPECT_EQ(map.wheels.at("ticks_left").path, "data[0]");
+  EXPECT_EQ(map.wheels.at("ticks_left").scale, 1);
+  EXPECT_EQ(map.wheels.at("ticks_right").scale, -1);
+  EXPECT_EQ(map.wheels.at("ticks_right").offset, 2);
+  EXPECT_EQ(map.wheels.at("stamp").topic, "/clock");
+  EXPECT_EQ(map.meters_per_tick, 0.02);
+  Write("vehicle.yaml", mount + "fields: {wheels: {topic: /can, speed: v}}\n");
+  EXPECT_EQ(ReadError(),
+            "vehicle.yaml: fields.wheels needs speed and yaw_rate; or speed and steering_angle; or "
+            "speed_left and speed_right; or ticks_left and ticks_right");
+  Write("vehicle.yaml", mount + "fields: {gnss: {latitude: lat, longitude: lon}}\n");
+  EXPECT_EQ(ReadError(), "vehicle.yaml: fields.gnss.latitude has no 'topic'");
+  Write("vehicle.yaml", mount + "fields: {gnss: {topic: /gps, lat: lat}}\n");
+  EXPECT_EQ(ReadError(),
+            "vehicle.yaml: fields.gnss has an unknown key 'lat': known are latitude, longitude, "
+            "altitude, sigma_horizontal, sigma_vertical, stamp and topic");
+}
+
 TEST_F(RigFolder, OpenVinssDialectIsTheSameRig) {
   const Rig kalibr = ReadRig(folder_);
   std::string text = kCamera;

@@ -11,6 +11,7 @@
 #include "server/ingest/drive/recorded_drive_parts.h"
 #include "server/ingest/drive/rig_discovery.h"
 #include "server/ingest/drive/stream_selection.h"
+#include "server/ingest/schemas/mapped_source.h"
 #include "server/ingest/schemas/translated_source.h"
 
 namespace parkade {
@@ -111,9 +112,10 @@ Rig FindRig(const MessageSource& source, const fs::path& rig_folder) {
 }
 
 std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
-    const std::shared_ptr<const MessageSource>& source, const fs::path& name,
+    const std::shared_ptr<const MessageSource>& log, const fs::path& name,
     const OpenLogOptions& options) {
-  Rig rig = WithCameras(FindRig(*source, options.rig_folder), options.cameras);
+  Rig rig = WithCameras(FindRig(*log, options.rig_folder), options.cameras);
+  const std::shared_ptr<const MessageSource> source = MapFields(log, rig);
   StreamSelection selection = SelectStreams(*source, rig, options.use_wheels, options.use_gnss);
   NameTopics(selection.streams, rig);
   std::vector<LogSurvey> surveys = SurveyStretches(*source, std::move(selection.streams), rig);

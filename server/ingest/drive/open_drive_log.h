@@ -34,7 +34,7 @@ std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(const std::filesystem:
 
 /// The same for a log that is open already; `name` may be a file name.
 std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
-    const std::shared_ptr<const MessageSource>& source, const std::filesystem::path& name,
+    const std::shared_ptr<const MessageSource>& log, const std::filesystem::path& name,
     const OpenLogOptions& options);
 
 /// Opens a recorded drive, the longest of the log: a ROS 1 bag, MCAP, rosbag2 (file or folder),

@@ -18,21 +18,9 @@ T WholeAt(const MessageTree& message, const char* path) {
   return is_in_range ? static_cast<T>(number) : T{0};
 }
 
-/// protobuf calls the parts of a time `seconds` and `nanos`, JSON `sec` and `nsec`.
-Timestamp StampOf(const MessageTree& message) {
-  constexpr std::int64_t kSecond = 1'000'000'000;
-  const auto seconds =
-      static_cast<std::int64_t>(WholeAt<std::uint32_t>(message, "timestamp.seconds") +
-                                WholeAt<std::uint32_t>(message, "timestamp.sec"));
-  const auto nanoseconds =
-      static_cast<std::int64_t>(WholeAt<std::uint32_t>(message, "timestamp.nanos") +
-                                WholeAt<std::uint32_t>(message, "timestamp.nsec"));
-  return {seconds * kSecond + nanoseconds};
-}
-
 CdrWriter BeginMessage(const MessageTree& message) {
   CdrWriter writer;
-  writer.Header(StampOf(message), TextAt(message, "frame_id"));
+  writer.Header(StampIn(message), TextAt(message, "frame_id"));
   return writer;
 }
 
@@ -78,7 +66,7 @@ std::vector<std::uint8_t> Transforms(const std::vector<MessageTree>& transforms)
   CdrWriter writer;
   writer.Put(static_cast<std::uint32_t>(transforms.size()));
   for (const MessageTree& transform : transforms) {
-    writer.Header(StampOf(transform), TextAt(transform, "parent_frame_id"));
+    writer.Header(StampIn(transform), TextAt(transform, "parent_frame_id"));
     writer.Text(TextAt(transform, "child_frame_id"));
     for (const char* path : {"translation.x", "translation.y", "translation.z", "rotation.x",
                              "rotation.y", "rotation.z", "rotation.w"})

@@ -158,8 +158,25 @@ std::string ListNumbers(const MessageTree& message) {
   ListInto(message, "", paths);
   std::string list;
   for (std::size_t i = 0; i < paths.size(); ++i)
-    list += (i == 0 ? "" : i + 1 < paths.size() ? ", " : " and ") + paths[i];
+    list.append(i == 0 ? "" : i + 1 < paths.size() ? ", " : " and ").append(paths[i]);
   return list.empty() ? "none" : list;
+}
+
+Timestamp StampIn(const MessageTree& message) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const MessageTree* header = FieldOf(message, "header");
+  const MessageTree* time = header != nullptr ? FieldOf(*header, "stamp") : nullptr;
+  if (time == nullptr) time = FieldOf(message, "timestamp");
+  if (time == nullptr) time = FieldOf(message, "stamp");
+  if (time == nullptr) return {};
+  const auto sum = [&](std::initializer_list<const char*> names) {
+    double number = 0;
+    for (const char* name : names)
+      if (const MessageTree* part = FieldOf(*time, name)) number += NumberOf(*part).value_or(0);
+    constexpr double kMax = 4294967295.0;  // what 32 bits hold
+    return number >= 0 && number <= kMax ? static_cast<std::int64_t>(number) : 0;
+  };
+  return {sum({"sec", "secs", "seconds"}) * kSecond + sum({"nsec", "nsecs", "nanosec", "nanos"})};
 }
 
 double NumberAt(const MessageTree& message, const char* path) {

@@ -37,6 +37,10 @@ class MessagePath {
 /// "header.stamp.sec, speed and data[0..7]": the paths to the numbers of a message, at most 40.
 std::string ListNumbers(const MessageTree& message);
 
+/// The time in `header.stamp`, `timestamp` or `stamp`, whatever its parts are called (`sec`,
+/// `secs`, `seconds`; `nsec`, `nsecs`, `nanosec`, `nanos`); 0 where there is none.
+Timestamp StampIn(const MessageTree& message);
+
 // Values of a message by the name of a field. Where there is none: zero, empty.
 double NumberAt(const MessageTree& message, const char* path);
 std::string TextAt(const MessageTree& message, const std::string& field);

@@ -1,6 +1,7 @@
 #include "server/ingest/schemas/message_schema.h"
 
 #include "core/error.h"
+#include "server/ingest/schemas/ros_schema.h"
 
 namespace parkade {
 namespace {
@@ -26,7 +27,7 @@ std::shared_ptr<const MessageSchema> ReadSchema(const TopicInfo& topic) {
     case MessageEncoding::kProtobuf: return ReadProtobufSchema(topic);
     case MessageEncoding::kJson: return MakeJsonSchema();
     case MessageEncoding::kRos1:
-    case MessageEncoding::kCdr:
+    case MessageEncoding::kCdr: return ReadRosSchema(topic);
     case MessageEncoding::kEuroc: break;
   }
   throw Error(ErrorCode::kInvalidInput, "the messages of " + topic.topic + " have no schema");

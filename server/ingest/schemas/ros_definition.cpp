@@ -1,0 +1,136 @@
+#include "server/ingest/schemas/ros_definition.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <sstream>
+
+#include "core/error.h"
+#include "server/ingest/containers/channel_table.h"
+
+namespace parkade {
+namespace {
+
+constexpr std::array<std::string_view, 14> kPrimitives = {
+    "bool",  "byte",   "char",  "float32", "float64", "int8",   "uint8",
+    "int16", "uint16", "int32", "uint32",  "int64",   "uint64", "string"};
+
+bool IsPrimitive(std::string_view type) {
+  return std::find(kPrimitives.begin(), kPrimitives.end(), type) != kPrimitives.end();
+}
+
+/// "float64[3]" and the like; a bound of a text or array has no meaning here.
+RosField ReadType(std::string type) {
+  RosField field;
+  const std::size_t bracket = type.find('[');
+  if (bracket != std::string::npos) {
+    field.is_array = true;
+    std::size_t length = 0;
+    const char* end = type.data() + type.size();
+    const auto [stop, error] = std::from_chars(type.data() + bracket + 1, end, length);
+    if (error == std::errc() && stop != end && *stop == ']') field.length = length;
+  }
+  field.type = type.substr(0, std::min(bracket, type.find("<=")));
+  return field;
+}
+
+/// The field of a line, or nothing where it is empty or a constant.
+std::optional<RosField> ReadLine(const std::string& line) {
+  std::istringstream words(line.substr(0, line.find('#')));
+  std::string type, name, rest;
+  if (!(words >> type)) return std::nullopt;
+  Require(static_cast<bool>(words >> name), ErrorCode::kInvalidInput,
+          "the message definition has a line without a name: '" + line.substr(0, 80) + "'");
+  words >> rest;
+  const bool is_constant = name.find('=') != std::string::npos || rest.starts_with('=');
+  if (is_constant) return std::nullopt;
+  RosField field = ReadType(type);
+  field.name = name;
+  return field;
+}
+
+/// The full name of a type that a field of `user` names.
+std::string FullName(const std::string& type, const std::string& user,
+                     const RosDefinition& definition) {
+  if (IsPrimitive(type)) return type;
+  if (type == "Header") return "std_msgs/Header";
+  if (type == "time" || type == "duration") return type;
+  if (type.find('/') != std::string::npos) return Ros1TypeName(type);
+  const std::string beside = user.substr(0, user.find('/') + 1) + type;
+  if (definition.types.contains(beside)) return beside;
+  for (const auto& [name, fields] : definition.types)
+    if (name.ends_with("/" + type)) return name;
+  return beside;
+}
+
+void AddKnown(RosDefinition& definition, bool is_ros1) {
+  const std::vector<RosField> time = {{is_ros1 ? "uint32" : "int32", "sec"},
+                                      {"uint32", is_ros1 ? "nsec" : "nanosec"}};
+  for (const char* name :
+       {"time", "duration", "builtin_interfaces/Time", "builtin_interfaces/Duration"})
+    definition.types.try_emplace(name, time);
+  std::vector<RosField> header = {{"time", "stamp"}, {"string", "frame_id"}};
+  if (is_ros1) header.insert(header.begin(), {"uint32", "seq"});
+  definition.types.try_emplace("std_msgs/Header", header);
+}
+
+constexpr const char* kHeader = "std_msgs/Header header\n";
+constexpr const char* kTwist =
+    "\n====\nMSG: geometry_msgs/Twist\nVector3 linear\nVector3 angular\n"
+    "====\nMSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n";
+constexpr const char* kAckermann =
+    "float32 steering_angle\nfloat32 steering_angle_velocity\nfloat32 speed\n"
+    "float32 acceleration\nfloat32 jerk\n";
+constexpr const char* kLayout =
+    "\n====\nMSG: std_msgs/MultiArrayLayout\nMultiArrayDimension[] dim\nuint32 data_offset\n"
+    "====\nMSG: std_msgs/MultiArrayDimension\nstring label\nuint32 size\nuint32 stride\n";
+
+}  // namespace
+
+RosDefinition ReadRosDefinition(const std::string& text, const std::string& type, bool is_ros1) {
+  RosDefinition definition;
+  definition.main = type;
+  std::string current = type;
+  definition.types[current];
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("====")) {
+      current.clear();
+    } else if (line.starts_with("MSG:")) {
+      std::istringstream(line.substr(4)) >> current;
+      current = Ros1TypeName(current);
+      definition.types[current];
+    } else if (const std::optional<RosField> field = ReadLine(line); field && !current.empty()) {
+      definition.types[current].push_back(*field);
+    }
+  }
+  AddKnown(definition, is_ros1);
+  for (auto& [user, fields] : definition.types)
+    for (RosField& field : fields) field.type = FullName(field.type, user, definition);
+  return definition;
+}
+
+std::string KnownRosDefinition(const std::string& type) {
+  const std::string header = kHeader;
+  if (type == "sensor_msgs/JointState")
+    return header + "string[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n";
+  if (type == "geometry_msgs/Twist")
+    return std::string("Vector3 linear\nVector3 angular\n") + kTwist;
+  if (type == "geometry_msgs/TwistStamped") return header + "Twist twist\n" + kTwist;
+  if (type == "ackermann_msgs/AckermannDrive") return kAckermann;
+  if (type == "ackermann_msgs/AckermannDriveStamped")
+    return header + "AckermannDrive drive\n====\nMSG: ackermann_msgs/AckermannDrive\n" + kAckermann;
+  if (type == "can_msgs/Frame")
+    return header +
+           "uint32 id\nbool is_rtr\nbool is_extended\nbool is_error\nuint8 dlc\nuint8[8] data\n";
+  for (const char* number : {"Float32", "Float64", "Int32", "Int64", "Int16"}) {
+    std::string lower = number;
+    lower.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(lower.front())));
+    if (type == std::string("std_msgs/") + number) return lower + " data\n";
+    if (type == std::string("std_msgs/") + number + "MultiArray")
+      return "MultiArrayLayout layout\n" + lower + "[] data\n" + kLayout;
+  }
+  return "";
+}
+
+}  // namespace parkade

@@ -1,0 +1,291 @@
+#include "server/ingest/schemas/mapped_source.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "server/ingest/drive/open_drive_log.h"
+#include "server/ingest/messages/sensor_decoding.h"
+#include "server/ingest/schemas/translated_source.h"
+#include "tests/server/ingest/messages/message_writer.h"
+#include "tests/server/ingest/schemas/foxglove_log.h"
+#include "tests/support/rosbag1_writer.h"
+
+namespace parkade {
+namespace {
+
+constexpr Timestamp kStart{1'700'000'000'000'000'000};
+
+constexpr const char* kJointState =
+    "std_msgs/Header header\n# of all joints\nstring[] name\nfloat64[] position\n"
+    "float64[] velocity\nfloat64[] effort\n";
+constexpr const char* kOwnImu =
+    "uint8 KIND=3\nuint32 count\nfloat32[3] gyro\nAcceleration a\nint16[<=4] raw # spare\n"
+    "================\nMSG: car_msgs/Acceleration\nint16 x\nint16 y\nint16 z\n";
+
+class MappedSourceTest : public testing::Test {
+ protected:
+  ~MappedSourceTest() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path file() const { return folder_ / "drive.mcap"; }
+
+  std::shared_ptr<const MessageSource> Open(const FieldMap& fields, double track = 0,
+                                            double wheelbase = 0) {
+    Rig rig;
+    rig.vehicle = VehicleCalibration{};
+    rig.vehicle->fields = fields;
+    rig.vehicle->track = track;
+    rig.vehicle->wheelbase = wheelbase;
+    return MapFields(OpenTranslatedLog(file(), {}), rig);
+  }
+
+  /// What is said about a field map that does not fit.
+  std::string Refusal(const FieldMap& fields) {
+    try {
+      Open(fields);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  static std::vector<RawMessage> Messages(const MessageSource& source) {
+    std::vector<bool> wanted(source.topics().size(), false);
+    wanted.back() = true;
+    const auto stream = source.Read(wanted);
+    std::vector<RawMessage> messages;
+    while (auto message = stream->Next()) messages.push_back(*message);
+    return messages;
+  }
+
+  static std::vector<WheelSample> Wheels(const MessageSource& source) {
+    SensorStream stream;
+    stream.encoding = source.topics().back().encoding;
+    stream.type = source.topics().back().type;
+    WheelReader reader;
+    std::vector<WheelSample> samples;
+    for (const RawMessage& message : Messages(source))
+      samples.push_back(reader.Read(message, stream).value());
+    return samples;
+  }
+
+  std::filesystem::path folder_ = MakeSchemaFolder();
+};
+
+std::vector<std::uint8_t> JointStateBytes(MessageEncoding encoding, Timestamp time,
+                                          double speed_left, double speed_right) {
+  MessageWriter writer(encoding);
+  writer.Header(time.ns, "").Put(std::uint32_t{3});
+  writer.Text("steering").Text("rear_left").Text("rear_right");
+  writer.Put(std::uint32_t{0}).Put(std::uint32_t{3}).Doubles({9, speed_left, speed_right});
+  return writer.Put(std::uint32_t{0}).Take();
+}
+
+FieldMap JointMap() {
+  FieldMap fields;
+  fields.wheels["speed_left"] = {"/joint_states", "velocity[name=rear_left]", 0.3};
+  fields.wheels["speed_right"] = {"joint_states", "velocity[name=rear_right]", 0.3};
+  return fields;
+}
+
+/// Wheels of radius 0.3 m at 10 and 11 rad/s, 1.5 m apart.
+void ExpectJointSpeeds(const std::vector<WheelSample>& wheels) {
+  ASSERT_EQ(wheels.size(), 1U);
+  EXPECT_EQ(wheels[0].time, kStart + 0.5);
+  EXPECT_NEAR(wheels[0].forward_speed, 3.15, 1e-12);
+  EXPECT_NEAR(wheels[0].yaw_rate, 0.2, 1e-12);
+}
+
+TEST_F(MappedSourceTest, JointsOfRos2AreWheelsByTheirNames) {
+  McapWriter log(file(), "ros2");
+  const int joints =
+      log.AddChannel("/joint_states", "sensor_msgs/msg/JointState", kJointState, "cdr");
+  log.Write(joints, kStart, JointStateBytes(MessageEncoding::kCdr, kStart + 0.5, 10, 11));
+  log.Close();
+
+  ExpectJointSpeeds(Wheels(*Open(JointMap(), 1.5)));
+}
+
+TEST_F(MappedSourceTest, TypesThatTheLogOnlyNamesMayBeKnown) {
+  McapWriter log(file(), "ros2");
+  const int joints = log.AddChannel("/joint_states", "sensor_msgs/msg/JointState", "", "cdr");
+  log.Write(joints, kStart, JointStateBytes(MessageEncoding::kCdr, kStart + 0.5, 10, 11));
+  log.Close();
+
+  ExpectJointSpeeds(Wheels(*Open(JointMap(), 1.5)));
+}
+
+TEST_F(MappedSourceTest, ABagDefinesItsMessages) {
+  Rosbag1Writer log(file());
+  const int joints = log.AddChannel("/joint_states", "sensor_msgs/JointState", kJointState, "*");
+  log.Write(joints, kStart, JointStateBytes(MessageEncoding::kRos1, kStart + 0.5, 10, 11));
+  log.Close();
+
+  ExpectJointSpeeds(Wheels(*Open(JointMap(), 1.5)));
+}
+
+TEST_F(MappedSourceTest, ASteeredCarTurnsByItsWheelbase) {
+  McapWriter log(file(), "ros2");
+  const int drive = log.AddChannel("/drive", "ackermann_msgs/msg/AckermannDriveStamped", "", "cdr");
+  MessageWriter writer(MessageEncoding::kCdr);
+  writer.Header(kStart.ns, "").Put(0.5F).Put(0.0F).Put(4.0F).Put(0.0F).Put(0.0F);
+  log.Write(drive, kStart, writer.Take());
+  log.Close();
+  FieldMap fields;
+  fields.wheels["speed"] = {"/drive", "drive.speed"};
+  fields.wheels["steering_angle"] = {"/drive", "drive.steering_angle", -1, 0.1};
+
+  const std::vector<WheelSample> wheels = Wheels(*Open(fields, 0, 2.5));
+
+  ASSERT_EQ(wheels.size(), 1U);
+  EXPECT_DOUBLE_EQ(wheels[0].forward_speed, 4);
+  EXPECT_NEAR(wheels[0].yaw_rate, 4 * std::tan(-0.4) / 2.5, 1e-7);
+}
+
+TEST_F(MappedSourceTest, AnImuOfTheMakersOwnTypeIsScaled) {
+  McapWriter log(file(), "ros2");
+  const int imu = log.AddChannel("/car/imu", "car_msgs/msg/Imu", kOwnImu, "cdr");
+  MessageWriter writer(MessageEncoding::kCdr);
+  writer.Put(std::uint32_t{7}).Put(1.0F).Put(2.0F).Put(-3.0F);
+  writer.Put(std::int16_t{10}).Put(std::int16_t{-20}).Put(std::int16_t{981}).Put(std::uint32_t{0});
+  log.Write(imu, kStart, writer.Take());
+  log.Close();
+  FieldMap fields;
+  for (int i = 0; i < 3; ++i) {
+    const std::string axis(1, static_cast<char>('x' + i));
+    fields.imu["rate_" + axis] = {"/car/imu", "gyro[" + std::to_string(i) + "]", 0.5};
+    fields.imu["acceleration_" + axis] = {"/car/imu", "a." + axis, 0.01};
+  }
+
+  const auto source = Open(fields);
+  const std::vector<RawMessage> messages = Messages(*source);
+  SensorStream stream;
+  stream.encoding = MessageEncoding::kCdr;
+  stream.type = "sensor_msgs/Imu";
+  const ImuSample sample = ReadImuSample(messages.at(0), stream);
+
+  EXPECT_EQ(source->topics().back().topic, kImuFields);
+  EXPECT_EQ(source->topics().back().num_messages, 1U);
+  EXPECT_EQ(sample.time, kStart);  // of the log: the message has none
+  EXPECT_TRUE(sample.angular_velocity.isApprox(Eigen::Vector3d(0.5, 1, -1.5)));
+  EXPECT_TRUE(sample.linear_acceleration.isApprox(Eigen::Vector3d(0.1, -0.2, 9.81)));
+}
+
+class MappedEncodingsTest : public MappedSourceTest,
+                            public testing::WithParamInterface<const char*> {};
+
+TEST_P(MappedEncodingsTest, TicksAreSpeedsMidwayBetweenMessages) {
+  FoxgloveLog log(file(), GetParam());
+  log.Add("/car", "CarState", kStart, {{"ticks_left", 1000}, {"ticks_right", 2000}});
+  log.Add("/car", "CarState", kStart + 0.1, {{"ticks_left", 1010}, {"ticks_right", 2014}});
+  log.Add("/car", "CarState", kStart + 0.2, {{"ticks_left", 0}, {"ticks_right", 0}});
+  log.Add("/car", "CarState", kStart + 0.3, {{"ticks_left", -10}, {"ticks_right", -10}});
+  log.Close();
+  FieldMap fields;
+  fields.wheels["ticks_left"] = {"/car", "ticks_left"};
+  fields.wheels["ticks_right"] = {"/car", "ticks_right"};
+  fields.meters_per_tick = 0.02;
+
+  const std::vector<WheelSample> wheels = Wheels(*Open(fields, 1.6));
+
+  ASSERT_EQ(wheels.size(), 2U);
+  EXPECT_EQ(wheels[0].time, kStart + 0.05);
+  EXPECT_NEAR(wheels[0].forward_speed, 2.4, 1e-6);
+  EXPECT_NEAR(wheels[0].yaw_rate, 0.5, 1e-6);
+  EXPECT_NEAR(wheels[1].forward_speed, -2, 1e-6);
+}
+
+TEST_P(MappedEncodingsTest, SignalsOfSeveralTopicsAreJoined) {
+  FoxgloveLog log(file(), GetParam());
+  log.Add("/turn", "CarState", kStart, {{"rates", {{"z", 20}}}});
+  log.Add("/car", "CarState", kStart + 0.1,
+          {{"wheels", {{{"name", "front"}, {"speed", 9}}, {{"name", "rear"}, {"speed", 36}}}}});
+  log.Close();
+  FieldMap fields;
+  fields.wheels["speed"] = {"/car", "wheels[name=rear].speed", 1 / 3.6};
+  fields.wheels["yaw_rate"] = {"/turn", "rates.z", 0.01};
+
+  const std::vector<WheelSample> wheels = Wheels(*Open(fields));
+
+  ASSERT_EQ(wheels.size(), 1U);
+  EXPECT_EQ(wheels[0].time, kStart + 0.1);
+  EXPECT_NEAR(wheels[0].forward_speed, 10, 1e-9);
+  EXPECT_NEAR(wheels[0].yaw_rate, 0.2, 1e-9);
+}
+
+TEST_P(MappedEncodingsTest, AFixNeedsNoMoreThanAPlace) {
+  FoxgloveLog log(file(), GetParam());
+  log.Add("/car", "CarState", kStart, {{"can", {481000000, 115000000, 3}}});
+  log.Close();
+  FieldMap fields;
+  fields.gnss["latitude"] = {"/car", "can[0]", 1e-7};
+  fields.gnss["longitude"] = {"/car", "can[1]", 1e-7};
+  fields.gnss["sigma_horizontal"] = {"/car", "can[2]"};
+
+  const auto source = Open(fields);
+  SensorStream stream;
+  stream.encoding = MessageEncoding::kCdr;
+  stream.type = "sensor_msgs/NavSatFix";
+  const std::optional<GnssFix> fix = ReadGnssFix(Messages(*source).at(0), stream);
+
+  ASSERT_TRUE(fix);
+  EXPECT_NEAR(fix->latitude_deg, 48.1, 1e-9);
+  EXPECT_NEAR(fix->longitude_deg, 11.5, 1e-9);
+  EXPECT_EQ(fix->sigma_enu.head<2>(), Eigen::Vector2d(3, 3));
+  EXPECT_EQ(fix->sigma_enu.z(), GnssFix::kUnknownAltitude);
+}
+
+INSTANTIATE_TEST_SUITE_P(Encodings, MappedEncodingsTest, testing::Values("protobuf", "json"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST_F(MappedSourceTest, WhatIsMissingIsNamedWithWhatThereIs) {
+  FoxgloveLog log(file(), "json");
+  log.Add("/car", "CarState", kStart, {{"v", 1}, {"can", {1, 2, 3}}});
+  log.Close();
+  FieldMap fields;
+  fields.wheels["speed"] = {"/car", "can[3]"};
+  fields.wheels["yaw_rate"] = {"/car", "can[0]"};
+
+  EXPECT_EQ(Refusal(fields),
+            "the field map of vehicle.yaml wants 'speed' at 'can[3]' of /car, which has numbers at "
+            "can[0..2], timestamp.nsec, timestamp.sec and v");
+  fields.wheels["speed"].topic = "/bus";
+  EXPECT_EQ(Refusal(fields),
+            "the field map of vehicle.yaml names the topic /bus, which is not in the log: it has "
+            "/car");
+  fields.wheels["speed"] = {"/car", "can[x]"};
+  EXPECT_EQ(Refusal(fields),
+            "'can[x]' is no path into a message: write it as twist.linear.x, data[3] or "
+            "velocity[name=rear_left]");
+  fields.wheels.erase("yaw_rate");
+  fields.wheels["speed"] = {"/car", "v"};
+  fields.wheels["steering_angle"] = {"/car", "v"};
+  EXPECT_EQ(Refusal(fields),
+            "the field map of vehicle.yaml needs its 'wheelbase' for the yaw rate");
+}
+
+TEST_F(MappedSourceTest, ATypeThatNobodyDefinesIsNamed) {
+  McapWriter log(file(), "ros2");
+  log.Write(log.AddChannel("/car", "car_msgs/msg/Own", "", "cdr"), kStart,
+            std::vector<std::uint8_t>{0, 1, 0, 0});
+  log.Close();
+  FieldMap fields;
+  fields.gnss["latitude"] = fields.gnss["longitude"] = {"/car", "x"};
+
+  EXPECT_EQ(Refusal(fields), "the log does not define car_msgs/Own, the type of /car");
+}
+
+TEST_F(MappedSourceTest, ADefinitionThatContainsItselfEnds) {
+  McapWriter log(file(), "ros2");
+  log.Write(log.AddChannel("/car", "car_msgs/msg/Own", "Own own\n", "cdr"), kStart,
+            std::vector<std::uint8_t>{0, 1, 0, 0});
+  log.Close();
+  FieldMap fields;
+  fields.gnss["latitude"] = fields.gnss["longitude"] = {"/car", "own.x"};
+
+  EXPECT_EQ(Refusal(fields),
+            "the field map of vehicle.yaml wants 'latitude' at 'own.x' of /car, which has no "
+            "message that can be read");
+}
+
+}  // namespace
+}  // namespace parkade
