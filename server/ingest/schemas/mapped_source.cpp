@@ -141,15 +141,15 @@ void RequireFields(const MessageSource& source, const MappedSensor& sensor, cons
       continue;  // the survey counts what is damaged
     }
   }
-  for (const std::string& name : reader.Missing()) {
-    const FieldSignal& signal = sensor.signals.at(name);
-    std::string known = "no message that can be read";
-    for (const auto& [topic, tree] : last)
-      if (topic.ends_with(signal.topic)) known = "numbers at " + ListNumbers(tree);
-    throw Error(ErrorCode::kInvalidInput, "the field map of vehicle.yaml wants '" + name +
-                                              "' at '" + signal.path + "' of " + signal.topic +
-                                              ", which has " + known);
-  }
+  const std::vector<std::string> missing = reader.Missing();
+  if (missing.empty()) return;
+  const FieldSignal& signal = sensor.signals.at(missing.front());
+  std::string known = "no message that can be read";
+  for (const auto& [topic, tree] : last)
+    if (topic.ends_with(signal.topic)) known = std::string("numbers at ").append(ListNumbers(tree));
+  throw Error(ErrorCode::kInvalidInput, "the field map of vehicle.yaml wants '" + missing.front() +
+                                            "' at '" + signal.path + "' of " + signal.topic +
+                                            ", which has " + known);
 }
 
 class MappedSource : public MessageSource {

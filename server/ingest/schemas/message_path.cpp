@@ -51,7 +51,7 @@ void ListInto(const MessageTree& value, const std::string& path, std::vector<std
   };
   if (value.is_object()) {
     for (const auto& [name, field] : value.items())
-      ListInto(field, path.empty() ? name : path + "." + name, paths);
+      ListInto(field, std::string(path).append(path.empty() ? "" : ".").append(name), paths);
   } else if (value.is_binary()) {
     add_range(value.get_binary().size());
   } else if (value.is_array() && !value.empty() && value.front().is_structured()) {

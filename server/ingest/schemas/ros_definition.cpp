@@ -56,7 +56,7 @@ std::string FullName(const std::string& type, const std::string& user,
   if (type == "Header") return "std_msgs/Header";
   if (type == "time" || type == "duration") return type;
   if (type.find('/') != std::string::npos) return Ros1TypeName(type);
-  const std::string beside = user.substr(0, user.find('/') + 1) + type;
+  std::string beside = user.substr(0, user.find('/') + 1) + type;
   if (definition.types.contains(beside)) return beside;
   for (const auto& [name, fields] : definition.types)
     if (name.ends_with("/" + type)) return name;

@@ -234,6 +234,44 @@ TEST_P(MappedEncodingsTest, AFixNeedsNoMoreThanAPlace) {
   EXPECT_EQ(fix->sigma_enu.z(), GnssFix::kUnknownAltitude);
 }
 
+TEST_P(MappedEncodingsTest, ADriveWithoutAnyRosMessageIsRead) {
+  FoxgloveLog log(file(), GetParam());
+  const nlohmann::json image = {{"width", 64},
+                                {"height", 48},
+                                {"encoding", "mono8"},
+                                {"step", 64},
+                                {"data", std::string(4096, 'A')}};
+  for (int i = 0; i < 400; ++i) {
+    const Timestamp time = kStart + 0.01 * i;
+    log.Add("/car", "CarState", time,
+            {{"rates", {{"x", 0.001}, {"y", 0}, {"z", i % 2 == 0 ? 0.002 : 0.001}}},
+             {"can", {0.01, 0, 9.81}}});
+    if (i % 10 == 0) log.Add("/front/image", "RawImage", time, image);
+  }
+  log.Close();
+  Rig rig;
+  RigCamera& camera = rig.cameras.emplace_back();
+  camera.name = "cam0";
+  camera.topic = "/front/image";
+  camera.model = CameraModel(PinholeProjection{.fx = 40, .fy = 40, .cx = 31.5, .cy = 23.5}, 64, 48);
+  rig.vehicle = VehicleCalibration{};
+  for (int i = 0; i < 3; ++i) {
+    const std::string axis(1, static_cast<char>('x' + i));
+    rig.vehicle->fields.imu["rate_" + axis] = {"/car", "rates." + axis};
+    rig.vehicle->fields.imu["acceleration_" + axis] = {"/car", "can[" + std::to_string(i) + "]"};
+  }
+  std::filesystem::create_directories(folder_ / "rig");
+  WriteRig(rig, folder_ / "rig");
+
+  const auto drive = OpenDriveLog(file(), {.rig_folder = folder_ / "rig"});
+
+  EXPECT_EQ(drive->rig().imu.topic, kImuFields);
+  EXPECT_NEAR(drive->span().Seconds(), 3.99, 1e-6);
+  ASSERT_EQ(drive->health().streams.size(), 2U);
+  EXPECT_EQ(drive->health().streams[0].num_delivered, 400U);
+  EXPECT_EQ(drive->health().streams[1].num_delivered, 40U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Encodings, MappedEncodingsTest, testing::Values("protobuf", "json"),
                          [](const auto& info) { return std::string(info.param); });
 
