@@ -144,7 +144,7 @@ class FreespaceNetwork::Copies {
   Copies(std::string model, bool is_own)
       : input_size_(FindOnnxInputSize(model).value_or(kOpenSize)),
         is_own_(is_own),
-        networks_(std::move(model)) {}
+        networks_(std::move(model), is_own ? NetworkRuntime::kLayered : NetworkRuntime::kOpenCv) {}
 
   cv::Size InputSizeFor(const cv::Size& image) const {
     return is_own_ ? OwnSizeFor(image, input_size_) : input_size_;

@@ -30,7 +30,8 @@ struct FreespaceBelief {
   cv::Mat Mask() const;
 };
 
-/// A network that tells drivable ground from everything else, run on one core by OpenCV's dnn.
+/// A network that tells drivable ground from everything else, run on one core: Parkade's
+/// own by LayeredNetwork, others by OpenCV's dnn.
 ///
 /// The ONNX file must take one image, 1 x 3 x H x W (BGR, 0 to 255, resized to W x H; where the
 /// file leaves the size open: 320 x 208), and give 1 x 1 x h x w, the log-odds of "drivable", 1 x 2

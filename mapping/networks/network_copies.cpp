@@ -14,9 +14,15 @@ cv::dnn::Net Parse(const std::string& model) {
 
 }  // namespace
 
-NetworkCopies::NetworkCopies(std::string model) : model_(std::move(model)), idle_{Parse(model_)} {}
+NetworkCopies::NetworkCopies(std::string model, NetworkRuntime runtime) {
+  if (runtime == NetworkRuntime::kLayered) layered_ = LayeredNetwork::Read(model);
+  if (layered_) return;
+  model_ = std::move(model);
+  idle_.push_back(Parse(model_));
+}
 
 cv::Mat NetworkCopies::Run(const cv::Mat& input) {
+  if (layered_) return RunLayered(input);
   cv::dnn::Net net = Take();
   net.setInput(input);
   cv::Mat output = net.forward().clone();
@@ -25,11 +31,26 @@ cv::Mat NetworkCopies::Run(const cv::Mat& input) {
   return output;
 }
 
+cv::Mat NetworkCopies::RunLayered(const cv::Mat& input) {
+  LayeredNetwork::Buffers buffers;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!idle_buffers_.empty()) {
+      buffers = std::move(idle_buffers_.back());
+      idle_buffers_.pop_back();
+    }
+  }
+  cv::Mat output = layered_->Run(input, buffers);
+  const std::lock_guard lock(mutex_);
+  idle_buffers_.push_back(std::move(buffers));
+  return output;
+}
+
 cv::dnn::Net NetworkCopies::Take() {
   {
     const std::lock_guard lock(mutex_);
     if (!idle_.empty()) {
-      cv::dnn::Net net = std::move(idle_.back());
+      cv::dnn::Net net = idle_.back();
       idle_.pop_back();
       return net;
     }

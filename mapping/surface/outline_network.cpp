@@ -78,7 +78,8 @@ float Corrected(float belief, float correction) {
 }  // namespace
 
 OutlineNetwork::OutlineNetwork()
-    : copies_(std::make_unique<NetworkCopies>(std::string(BuiltinOutlineNetwork()))) {}
+    : copies_(std::make_unique<NetworkCopies>(std::string(BuiltinOutlineNetwork()),
+                                              NetworkRuntime::kLayered)) {}
 
 OutlineNetwork::~OutlineNetwork() = default;
 
