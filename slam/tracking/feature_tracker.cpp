@@ -56,7 +56,7 @@ TrackedFrame FeatureTracker::Track(const CameraFrame& frame,
 
   ++statistics_.frames_tracked;
   TrackedImage now{frame.time, camera_, model_, up_in_camera_, {}, usable_, {}};
-  now.pyramid = BuildPyramid(NormalizeLocally(gray), options_.window, options_.pyramid_levels);
+  now.pyramid = BuildPyramid(NormalizeLocally(gray), options_.pyramid_levels);
   const double seconds = last_.empty() ? 0 : frame.time - last_.time;
   if (seconds > options_.max_gap && !last_.observations.empty()) {
     ++statistics_.restarts;

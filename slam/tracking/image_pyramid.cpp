@@ -1,9 +1,9 @@
 #include "slam/tracking/image_pyramid.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/video/tracking.hpp>
 
 namespace parkade {
 namespace {
@@ -132,11 +132,21 @@ cv::Mat NormalizeLocally(const cv::Mat& gray, double noise_floor) {
   return normalized;
 }
 
-std::vector<cv::Mat> BuildPyramid(const cv::Mat& gray, int window, int levels) {
+std::vector<cv::Mat> BuildPyramid(const cv::Mat& gray, int levels) {
+  constexpr int kBorder = kPyramidBorder, kMinEdge = 18;  // [px]
   std::vector<cv::Mat> pyramid;
-  cv::buildOpticalFlowPyramid(gray, pyramid, {window, window}, levels - 1,
-                              /*withDerivatives=*/true);
-  return pyramid;
+  cv::Mat level = gray;
+  while (true) {
+    cv::Mat wide;
+    cv::copyMakeBorder(level, wide, kBorder, kBorder, kBorder, kBorder, cv::BORDER_REFLECT_101);
+    pyramid.push_back(wide(cv::Rect({kBorder, kBorder}, level.size())));
+    const cv::Size half((level.cols + 1) / 2, (level.rows + 1) / 2);
+    if (std::ssize(pyramid) == levels || std::min(half.width, half.height) < kMinEdge)
+      return pyramid;
+    cv::Mat next;
+    cv::pyrDown(level, next, half);
+    level = next;
+  }
 }
 
 cv::Mat UsablePixels(const CameraModel& model, const cv::Mat& mask, int margin) {
