@@ -106,7 +106,7 @@ TEST(LucasKanade, IsAsExactAsOpenCvs) {
     const double rms = Rms(FollowFrom(first, second, points, points), truth);
 
     EXPECT_LT(rms, 1.05 * Rms(FollowWithOpenCv(first, second, points), truth));
-    EXPECT_LT(rms, 0.05);
+    EXPECT_LT(rms, 0.1);
   }
 }
 
@@ -118,7 +118,7 @@ TEST(LucasKanade, FollowsLargeMotionOverTheCoarseLevels) {
 
   for (size_t i = 0; i < points.size(); ++i) {
     ASSERT_TRUE(found[i]);
-    EXPECT_LT((*found[i] - points[i] - shift).norm(), 0.1);
+    EXPECT_LT((*found[i] - points[i] - shift).norm(), 0.2);
   }
 }
 
@@ -158,7 +158,7 @@ TEST(LucasKanade, ChangedBrightnessDoesNotMatterToNormalizedImages) {
 
   for (size_t i = 0; i < points.size(); ++i) {
     ASSERT_TRUE(found[i]);
-    EXPECT_LT((*found[i] - points[i] - shift).norm(), 0.1);
+    EXPECT_LT((*found[i] - points[i] - shift).norm(), 0.2);
   }
 }
 
