@@ -6,12 +6,11 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "slam/tracking/corner_scores.h"
+
 namespace parkade {
 namespace {
 
-constexpr int kBlock = 2;          ///< [px] corners are sought on a lattice of this spacing
-constexpr int kWindow = 4;         ///< [blocks] edge of the window of the structure tensor
-constexpr float kScharrGain = 32;  ///< derivative of a ramp of 1 gray level per px
 constexpr float kMinScore =
     12;  ///< [(gray levels / px)^2] of the normalized image; sensor noise stays below
 constexpr float kMinShareOfBest = 0.1f;  ///< of the best score in the cell
@@ -22,59 +21,6 @@ struct Corner {
   Eigen::Vector2d pixel;
   float score = 0;
 };
-
-/// Sums of the products of derivatives over one row of blocks.
-struct TensorRow {
-  std::vector<float> xx, xy, yy;
-};
-
-TensorRow SumBlocks(const cv::Mat& derivatives, int block_row, int columns) {
-  const auto size = static_cast<size_t>(columns);
-  TensorRow sums{std::vector<float>(size), std::vector<float>(size), std::vector<float>(size)};
-  for (int y = block_row * kBlock; y < (block_row + 1) * kBlock; ++y) {
-    const std::int16_t* row = derivatives.ptr<std::int16_t>(y);
-    for (size_t i = 0; i < size; ++i) {
-      const std::int16_t* pair = row + 2 * kBlock * i;
-      const int dx0 = pair[0], dy0 = pair[1], dx1 = pair[2], dy1 = pair[3];
-      sums.xx[i] += static_cast<float>(dx0 * dx0 + dx1 * dx1);
-      sums.xy[i] += static_cast<float>(dx0 * dy0 + dx1 * dy1);
-      sums.yy[i] += static_cast<float>(dy0 * dy0 + dy1 * dy1);
-    }
-  }
-  return sums;
-}
-
-/// Smaller eigenvalue of the mean structure tensor, one per block; the window
-/// of entry (y, x) has its center at the upper left corner of block (y, x).
-cv::Mat CornerScores(const cv::Mat& derivatives) {
-  const int rows = derivatives.rows / kBlock, columns = derivatives.cols / kBlock;
-  const float share = 1.0f / (kScharrGain * kScharrGain * kBlock * kBlock * kWindow * kWindow);
-  cv::Mat scores = cv::Mat::zeros(rows, columns, CV_32FC1);
-  std::vector<TensorRow> ring(kWindow);
-  for (int y = 0; y < rows; ++y) {
-    ring[static_cast<size_t>(y % kWindow)] = SumBlocks(derivatives, y, columns);
-    if (y + 1 < kWindow) continue;
-    TensorRow sum = ring[0];
-    for (size_t r = 1; r < kWindow; ++r) {
-      for (size_t i = 0; i < sum.xx.size(); ++i) {
-        sum.xx[i] += ring[r].xx[i];
-        sum.xy[i] += ring[r].xy[i];
-        sum.yy[i] += ring[r].yy[i];
-      }
-    }
-    float* out = scores.ptr<float>(y - kWindow / 2 + 1) + kWindow / 2;
-    const auto count = static_cast<size_t>(std::max(0, columns - kWindow + 1));
-    for (size_t i = 0; i < count; ++i) {
-      static_assert(kWindow == 4);
-      const float xx = sum.xx[i] + sum.xx[i + 1] + sum.xx[i + 2] + sum.xx[i + 3];
-      const float xy = sum.xy[i] + sum.xy[i + 1] + sum.xy[i + 2] + sum.xy[i + 3];
-      const float yy = sum.yy[i] + sum.yy[i + 1] + sum.yy[i + 2] + sum.yy[i + 3];
-      const float half_difference = 0.5f * (xx - yy);
-      out[i] = share * (0.5f * (xx + yy) - std::sqrt(half_difference * half_difference + xy * xy));
-    }
-  }
-  return scores;
-}
 
 bool IsLocalMaximum(const cv::Mat& scores, int y, int x) {
   const float score = scores.at<float>(y, x);
@@ -152,9 +98,9 @@ std::vector<Eigen::Vector2d> CornerDetector::Detect(
       static_cast<size_t>(std::max<std::ptrdiff_t>(0, max_corners_ - std::ssize(present)));
   std::vector<Eigen::Vector2d> found;
   if (wanted == 0) return found;
-  const bool at_half_size = usable.cols > kMaxDetectionWidth && pyramid.size() >= 4;
-  const int spacing = at_half_size ? 2 * kBlock : kBlock;
-  const cv::Mat scores = CornerScores(pyramid[at_half_size ? 3 : 1]);
+  const bool at_half_size = usable.cols > kMaxDetectionWidth && pyramid.size() > 1;
+  const int spacing = at_half_size ? 2 * kCornerBlock : kCornerBlock;
+  const cv::Mat scores = CornerScores(pyramid[at_half_size ? 1 : 0]);
 
   Occupancy occupancy(scores.size(), spacing, min_distance());
   const int cell = cell_size_ / spacing;

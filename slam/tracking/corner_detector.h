@@ -20,7 +20,7 @@ class CornerDetector {
   /// min_distance() to `present` or to each other; at most max_corners -
   /// present.size(). Integer pixels: the patch around one is what is tracked.
   ///
-  /// \param pyramid    image and Scharr derivatives per level, as in TrackedImage
+  /// \param pyramid    as in TrackedImage
   /// \param is_wanted  asked for each corner that would be added
   std::vector<Eigen::Vector2d> Detect(
       const std::vector<cv::Mat>& pyramid, const cv::Mat& usable,

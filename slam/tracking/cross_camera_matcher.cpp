@@ -100,8 +100,8 @@ std::optional<PatchTemplate> TemplateFor(const Views& views, const Eigen::Vector
   const auto warp = WarpOf(views.from.model, views.to.model, views.from_from_to, point_in_to,
                            hypothesis.pixel, normal);
   if (!warp) return std::nullopt;
-  return MakeTemplate(views.from.pyramid[static_cast<size_t>(2 * level)],
-                      pixel_in_from / (1 << level), *warp);
+  return MakeTemplate(views.from.pyramid[static_cast<size_t>(level)], pixel_in_from / (1 << level),
+                      *warp);
 }
 
 /// Points on the epipolar curve from infinity to `min_depth`, kSpacing pixels of `level` apart.
@@ -130,7 +130,7 @@ std::vector<Hypothesis> SampleCurve(const Views& views, const Eigen::Vector3d& b
 /// Normalized correlation at each point of the curve; -1 where there is none.
 std::vector<double> Score(const Views& views, const FeatureObservation& track,
                           const std::vector<Hypothesis>& curve, int level) {
-  const cv::Mat& image = views.to.pyramid[static_cast<size_t>(2 * level)];
+  const cv::Mat& image = views.to.pyramid[static_cast<size_t>(level)];
   std::vector<double> scores(curve.size(), -1.0);
   std::optional<PatchTemplate> patch;
   for (size_t i = 0; i < curve.size(); ++i) {
@@ -178,7 +178,7 @@ std::optional<PatchMatch> RefineIn(const Views& views, const FeatureObservation&
   for (; level >= 0; --level) {
     const auto patch = TemplateFor(views, track.pixel, track.bearing, hypothesis, level);
     if (!patch) return std::nullopt;
-    const auto aligned = AlignPatch(*patch, views.to.pyramid[static_cast<size_t>(2 * level)],
+    const auto aligned = AlignPatch(*patch, views.to.pyramid[static_cast<size_t>(level)],
                                     match.pixel / (1 << level), 3.0);
     if (!aligned) return std::nullopt;
     match = {aligned->pixel * (1 << level), aligned->correlation};
@@ -213,7 +213,7 @@ bool ReturnsTo(const FeatureObservation& track, const Views& views, const Featur
 std::optional<FeatureObservation> MatchOne(const Views& views, const FeatureObservation& track,
                                            const CrossCameraOptions& options) {
   const int top =
-      static_cast<int>(std::min(views.from.pyramid.size(), views.to.pyramid.size()) / 2) - 1;
+      static_cast<int>(std::min(views.from.pyramid.size(), views.to.pyramid.size())) - 1;
   const int level = std::min(top, kSearchLevel);
   const double baseline = views.to_from_from.translation.norm();
   const double min_depth =

@@ -56,7 +56,7 @@ TrackedFrame FeatureTracker::Track(const CameraFrame& frame,
 
   ++statistics_.frames_tracked;
   TrackedImage now{frame.time, camera_, model_, up_in_camera_, {}, usable_, {}};
-  now.pyramid = BuildPyramid(NormalizeLocally(gray), options_.window, options_.pyramid_levels);
+  now.pyramid = BuildPyramid(NormalizeLocally(gray), options_.pyramid_levels);
   const double seconds = last_.empty() ? 0 : frame.time - last_.time;
   if (seconds > options_.max_gap && !last_.observations.empty()) {
     ++statistics_.restarts;
@@ -68,6 +68,7 @@ TrackedFrame FeatureTracker::Track(const CameraFrame& frame,
     std::vector<Found> found = Follow(now, predicted);
     statistics_.lost_in_flow += std::ssize(last_.observations) - std::ssize(found);
     std::vector<BearingPair> pairs;
+    pairs.reserve(found.size());
     for (const Found& track : found) pairs.push_back(track.pair);
     const EpipolarCheck check =
         CheckEpipolarGeometry(pairs, now_from_last_, options_.max_epipolar_error);
@@ -236,6 +237,7 @@ void FeatureTracker::Keep(std::vector<Found> found,
               [](const Found& a, const Found& b) { return a.origin < b.origin; });
   }
   std::vector<Eigen::Vector2d> pixels;
+  pixels.reserve(kept.size());
   for (const Found& track : kept) pixels.push_back(track.observation.pixel);
   std::vector<Memory> memories;
   std::vector<double> flows;

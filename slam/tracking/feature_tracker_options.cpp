@@ -1,14 +1,15 @@
 #include "slam/tracking/feature_tracker_options.h"
 
 #include "core/error.h"
+#include "slam/tracking/flow_patch.h"
 
 namespace parkade {
 
 void FeatureTrackerOptions::Validate() const {
   Require(max_tracks >= 8 && max_tracks <= 5000, ErrorCode::kUsage,
           "max_tracks must be in 8..5000");
-  Require(window >= 5 && window <= 51 && window % 2 == 1, ErrorCode::kUsage,
-          "window must be odd and in 5..51 px");
+  Require(window >= 5 && window <= FlowPatch::kMaxEdge && window % 2 == 1, ErrorCode::kUsage,
+          "window must be odd and in 5..21 px");
   Require(pyramid_levels >= 1 && pyramid_levels <= 8, ErrorCode::kUsage,
           "pyramid_levels must be in 1..8");
   Require(pixel_sigma > 0, ErrorCode::kUsage, "pixel_sigma must be > 0 px");

@@ -1,9 +1,9 @@
 #include "slam/tracking/image_pyramid.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/video/tracking.hpp>
 
 namespace parkade {
 namespace {
@@ -58,14 +58,14 @@ LocalMoments MeasureBlocks(const cv::Mat& gray) {
 /// time.
 class BlockRow {
  public:
-  BlockRow(const cv::Mat& blocks, int width) : blocks_(blocks), width_(width) {}
+  explicit BlockRow(const cv::Mat& blocks) : blocks_(blocks) {}
 
   /// Size of the buffer that At wants.
   size_t size() const { return static_cast<size_t>((blocks_.cols + 1) * kStatisticsScale); }
 
   /// Values of the pixels of row `y`, held by `buffer`.
   const float* At(int y, std::vector<float>& buffer) const {
-    assert(buffer.size() == size() && width_ <= blocks_.cols * kStatisticsScale);
+    assert(buffer.size() == size());
     const float place = (static_cast<float>(y) + 0.5f) / kStatisticsScale +
                         0.5f;  // in rows of blocks, from one above
     const int below = std::min(static_cast<int>(place), blocks_.rows - 1),
@@ -88,7 +88,6 @@ class BlockRow {
 
  private:
   const cv::Mat& blocks_;
-  int width_ = 0;
 };
 
 }  // namespace
@@ -115,7 +114,7 @@ cv::Mat NormalizeLocally(const cv::Mat& gray, double noise_floor) {
       offset.at<float>(y, x) = 128 - gain.at<float>(y, x) * mean;
     }
   }
-  const BlockRow gain_rows(gain, gray.cols), offset_rows(offset, gray.cols);
+  const BlockRow gain_rows(gain), offset_rows(offset);
   std::vector<float> row_gain(gain_rows.size()), row_offset(gain_rows.size());
   cv::Mat normalized(gray.size(), CV_8UC1);
   const int width = gray.cols;  // pixels are bytes, which may be anything: kept in a register
@@ -132,11 +131,21 @@ cv::Mat NormalizeLocally(const cv::Mat& gray, double noise_floor) {
   return normalized;
 }
 
-std::vector<cv::Mat> BuildPyramid(const cv::Mat& gray, int window, int levels) {
+std::vector<cv::Mat> BuildPyramid(const cv::Mat& gray, int levels) {
+  constexpr int kBorder = kPyramidBorder, kMinEdge = 18;  // [px]
   std::vector<cv::Mat> pyramid;
-  cv::buildOpticalFlowPyramid(gray, pyramid, {window, window}, levels - 1,
-                              /*withDerivatives=*/true);
-  return pyramid;
+  cv::Mat level = gray;
+  while (true) {
+    cv::Mat wide;
+    cv::copyMakeBorder(level, wide, kBorder, kBorder, kBorder, kBorder, cv::BORDER_REFLECT_101);
+    pyramid.push_back(wide(cv::Rect({kBorder, kBorder}, level.size())));
+    const cv::Size half((level.cols + 1) / 2, (level.rows + 1) / 2);
+    if (std::ssize(pyramid) == levels || std::min(half.width, half.height) < kMinEdge)
+      return pyramid;
+    cv::Mat next;
+    cv::pyrDown(level, next, half);
+    level = next;
+  }
 }
 
 cv::Mat UsablePixels(const CameraModel& model, const cv::Mat& mask, int margin) {

@@ -17,8 +17,11 @@ cv::Mat ToGray(const cv::Mat& image, const cv::Size& size);
 /// levels is not stretched, so that sensor noise stays small.
 cv::Mat NormalizeLocally(const cv::Mat& gray, double noise_floor = 8);
 
-/// Images and Scharr derivatives of `levels` halvings, padded by `window` [px].
-std::vector<cv::Mat> BuildPyramid(const cv::Mat& gray, int window, int levels);
+inline constexpr int kPyramidBorder = 32;  ///< [px]
+
+/// The image, half of it, and so on: up to `levels` images of 18 px or more. Beyond its edges each
+/// goes on for kPyramidBorder, mirrored.
+std::vector<cv::Mat> BuildPyramid(const cv::Mat& gray, int levels);
 
 /// CV_8UC1, 255 where a patch of radius `margin` [px] has a bearing at every
 /// pixel, lies in the image and is not touched by `mask` (0 = ignore; may be empty).

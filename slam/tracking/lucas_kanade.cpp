@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/video/tracking.hpp>
+
+#include "slam/tracking/flow_patch.h"
 
 namespace parkade {
 namespace {
@@ -10,25 +11,60 @@ namespace {
 constexpr int kMaxIterations = 20;     ///< per level
 constexpr double kConvergence = 0.02;  ///< [px]
 constexpr double kNearPrediction = 3;  ///< [px] within which the way back needs no coarse levels
-constexpr int kLevelsNear = 2;         ///< of the pyramid, that the way back needs then
-
-using Points = std::vector<cv::Point2f>;
+constexpr size_t kLevelsNear = 2;      ///< of the pyramid, that the way back needs then
 
 cv::Point2f ToPoint(const Eigen::Vector2d& pixel) {
   return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
 }
 
-/// One pass; `at` holds the starts and then what was found.
-std::vector<std::uint8_t> Follow(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
-                                 const Points& points, Points& at, int window, int num_levels) {
-  const cv::TermCriteria criteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kMaxIterations,
-                                  kConvergence);
-  const int top_level = std::min(num_levels, static_cast<int>(to.size() / 2)) - 1;
-  std::vector<std::uint8_t> is_found;
-  std::vector<float> error;
-  cv::calcOpticalFlowPyrLK(from, to, points, at, is_found, error, {window, window}, top_level,
-                           criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
-  return is_found;
+double Norm(const cv::Point2f& step) { return std::hypot(step.x, step.y); }
+
+/// From `at` [px of this level] to where the patch is; nothing where that leaves the image.
+std::optional<cv::Point2f> Converge(const FlowPatch& patch, const cv::Mat& image, cv::Point2f at) {
+  constexpr float kSame = 0.01f;  // [px] two steps to and fro
+  cv::Point2f last;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    const std::optional<cv::Point2f> step = patch.StepFrom(image, at);
+    if (!step) return std::nullopt;
+    at += *step;
+    if (Norm(*step) <= kConvergence) break;
+    if (iteration > 0 && std::abs(step->x + last.x) < kSame && std::abs(step->y + last.y) < kSame) {
+      at -= 0.5f * *step;
+      break;
+    }
+    last = *step;
+  }
+  return patch.IsInside(image, at) ? std::optional(at) : std::nullopt;
+}
+
+/// From the coarsest of `num_levels` levels, near `start`, down to the image itself.
+std::optional<cv::Point2f> Follow(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
+                                  const cv::Point2f& point, const cv::Point2f& start,
+                                  size_t num_levels, FlowPatch& patch) {
+  cv::Point2f at = start;  // [px] of the image itself
+  for (size_t level = std::min({num_levels, from.size(), to.size()}); level-- > 0;) {
+    const float scale = 1.0f / static_cast<float>(1 << level);
+    const bool is_textured = patch.Take(from[level], scale * point);
+    const std::optional<cv::Point2f> found =
+        is_textured ? Converge(patch, to[level], scale * at) : std::nullopt;
+    if (found) at = *found / scale;
+    if (!found && level == 0) return std::nullopt;
+  }
+  return at;
+}
+
+/// There, and back with an error of at most `max_round_trip` [px].
+std::optional<cv::Point2f> FollowThereAndBack(const std::vector<cv::Mat>& from,
+                                              const std::vector<cv::Mat>& to,
+                                              const cv::Point2f& point, const cv::Point2f& start,
+                                              double max_round_trip, FlowPatch& patch) {
+  const std::optional<cv::Point2f> there = Follow(from, to, point, start, from.size(), patch);
+  if (!there) return std::nullopt;
+  // The way back starts as far off as the prediction was, so that it proves something.
+  const cv::Point2f off = *there - start;
+  const size_t num_levels = Norm(off) < kNearPrediction ? kLevelsNear : to.size();
+  const std::optional<cv::Point2f> back = Follow(to, from, *there, point + off, num_levels, patch);
+  return back && Norm(*back - point) <= max_round_trip ? there : std::nullopt;
 }
 
 }  // namespace
@@ -37,39 +73,13 @@ std::vector<std::optional<Eigen::Vector2d>> FollowThereAndBack(
     const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
     const std::vector<Eigen::Vector2d>& before,
     const std::vector<std::optional<Eigen::Vector2d>>& start, const LucasKanadeOptions& options) {
-  constexpr int kAllLevels = 100;
   std::vector<std::optional<Eigen::Vector2d>> found(before.size());
-  std::vector<size_t> origins;
-  Points points, after;
+  FlowPatch patch(options.window);
   for (size_t i = 0; i < before.size(); ++i) {
     if (!start[i]) continue;
-    origins.push_back(i);
-    points.push_back(ToPoint(before[i]));
-    after.push_back(ToPoint(*start[i]));
-  }
-  if (origins.empty()) return found;
-  const std::vector<std::uint8_t> is_found =
-      Follow(from, to, points, after, options.window, kAllLevels);
-
-  // The way back starts as far off as the prediction was, so that it proves something.
-  for (const bool is_near : {true, false}) {
-    std::vector<size_t> indices;
-    Points goals, back;
-    for (size_t i = 0; i < origins.size(); ++i) {
-      const cv::Point2f off = after[i] - ToPoint(*start[origins[i]]);
-      if (is_found[i] == 0 || (cv::norm(off) < kNearPrediction) != is_near) continue;
-      indices.push_back(i);
-      goals.push_back(after[i]);
-      back.push_back(points[i] + off);
-    }
-    if (indices.empty()) continue;
-    const auto returned =
-        Follow(to, from, goals, back, options.window, is_near ? kLevelsNear : kAllLevels);
-    for (size_t k = 0; k < indices.size(); ++k) {
-      const size_t i = indices[k];
-      if (returned[k] != 0 && cv::norm(back[k] - points[i]) <= options.max_round_trip)
-        found[origins[i]] = Eigen::Vector2d(after[i].x, after[i].y);
-    }
+    const std::optional<cv::Point2f> after = FollowThereAndBack(
+        from, to, ToPoint(before[i]), ToPoint(*start[i]), options.max_round_trip, patch);
+    if (after) found[i] = Eigen::Vector2d(after->x, after->y);
   }
   return found;
 }

@@ -8,7 +8,7 @@
 namespace parkade {
 
 struct LucasKanadeOptions {
-  int window = 17;              ///< [px] odd edge of the patch
+  int window = 17;              ///< [px] odd edge of the patch, up to FlowPatch::kMaxEdge
   double max_round_trip = 0.7;  ///< [px] forward-backward error above which a point counts as lost
 };
 
@@ -18,8 +18,8 @@ struct LucasKanadeOptions {
 /// \param start   [px] where they should be in `to`; points without one are not looked for
 /// \return per point: its pixel in `to`; nothing where it was lost or does not find back
 ///
-/// J.-Y. Bouguet, "Pyramidal implementation of the affine Lucas Kanade feature tracker", 2001
-/// (OpenCV's).
+/// J.-Y. Bouguet, "Pyramidal implementation of the affine Lucas Kanade feature tracker", 2001, with
+/// the steps of FlowPatch.
 std::vector<std::optional<Eigen::Vector2d>> FollowThereAndBack(
     const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
     const std::vector<Eigen::Vector2d>& before,

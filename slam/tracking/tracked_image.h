@@ -18,8 +18,7 @@ struct TrackedImage {
   CameraModel model;
   Eigen::Vector3d up_in_camera =
       Eigen::Vector3d::Zero();  ///< unit, z of the body: the ground's normal
-  /// Made by cv::buildOpticalFlowPyramid: image and Scharr derivatives of level 0, of level 1 (half
-  /// size), ...; locally normalized, padded by the window.
+  /// Made by BuildPyramid: locally normalized.
   std::vector<cv::Mat> pyramid;
   cv::Mat
       usable;  ///< CV_8UC1 of the image's size, 0 = masked, own body, or outside the image circle

@@ -72,7 +72,7 @@ BENCHMARK(Normalize)->Arg(640)->Arg(1280)->Unit(benchmark::kMillisecond);
 
 void Pyramid(benchmark::State& state) {
   const Drive drive = MakeDrive(static_cast<double>(state.range(0)) / 640);
-  for (auto _ : state) benchmark::DoNotOptimize(BuildPyramid(drive.images[0], 17, 4));
+  for (auto _ : state) benchmark::DoNotOptimize(BuildPyramid(drive.images[0], 4));
 }
 BENCHMARK(Pyramid)->Arg(640)->Arg(1280)->Unit(benchmark::kMillisecond);
 

@@ -28,7 +28,7 @@ TEST_P(CornersAtScale, CornersOfSquaresAreFoundAndEdgesAreNot) {
   const cv::Mat image = Squares(GetParam(), 480);
 
   const auto corners = CornerDetector(Everywhere(image), 300)
-                           .Detect(BuildPyramid(image, 17, 3), Everywhere(image), {}, Always);
+                           .Detect(BuildPyramid(image, 3), Everywhere(image), {}, Always);
 
   ASSERT_GT(corners.size(), 50u);
   for (const Eigen::Vector2d& corner : corners) {
@@ -53,7 +53,7 @@ TEST(CornerDetector, DistanceBudgetMaskAndWishesAreKept) {
   std::vector<Eigen::Vector2d> all = {{300, 300}, {305, 200}};
 
   const auto corners =
-      detector.Detect(BuildPyramid(NormalizeLocally(image), 17, 3), usable, all,
+      detector.Detect(BuildPyramid(NormalizeLocally(image), 3), usable, all,
                       [](const Eigen::Vector2d& pixel) { return pixel.x() < 600; });
 
   EXPECT_LE(corners.size(), 98u);
@@ -75,7 +75,7 @@ TEST(CornerDetector, AFaintCornerOfADarkCellIsTaken) {
 
   const auto corners =
       CornerDetector(Everywhere(image), 150)
-          .Detect(BuildPyramid(NormalizeLocally(image), 17, 3), Everywhere(image), {}, Always);
+          .Detect(BuildPyramid(NormalizeLocally(image), 3), Everywhere(image), {}, Always);
 
   EXPECT_GE(corners.size(), 3u);
   for (const Eigen::Vector2d& corner : corners)
@@ -87,11 +87,10 @@ TEST(CornerDetector, AFullImageAndAFlatImageGetNone) {
   const cv::Mat flat(400, 640, CV_8UC1, cv::Scalar(90));
   const CornerDetector detector(Everywhere(flat), 10);
 
-  EXPECT_TRUE(detector.Detect(BuildPyramid(flat, 17, 3), Everywhere(flat), {}, Always).empty());
+  EXPECT_TRUE(detector.Detect(BuildPyramid(flat, 3), Everywhere(flat), {}, Always).empty());
   const std::vector<Eigen::Vector2d> full(10, {100, 100});
   EXPECT_TRUE(
-      detector.Detect(BuildPyramid(Squares(640, 400), 17, 3), Everywhere(flat), full, Always)
-          .empty());
+      detector.Detect(BuildPyramid(Squares(640, 400), 3), Everywhere(flat), full, Always).empty());
 }
 
 }  // namespace

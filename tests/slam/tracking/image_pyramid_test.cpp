@@ -45,13 +45,19 @@ TEST(NormalizeLocally, SizesThatAreNoMultipleOfABlockKeepTheirPixelsInPlace) {
   EXPECT_LT(MeanDifference(normalized(cv::Rect(0, 0, 280, 200)), whole), 1.0);
 }
 
-TEST(BuildPyramid, HoldsImageAndDerivativesPerLevel) {
-  const std::vector<cv::Mat> pyramid = BuildPyramid(RoomImage(), 17, 3);
+TEST(BuildPyramid, HalvesTheImageAndGoesOnBeyondItsEdges) {
+  const std::vector<cv::Mat> pyramid = BuildPyramid(RoomImage(), 3);
 
-  ASSERT_EQ(pyramid.size(), 6u);
-  EXPECT_EQ(pyramid[2].size(), cv::Size(160, 120));
-  EXPECT_EQ(pyramid[0].type(), CV_8UC1);
-  EXPECT_EQ(pyramid[1].type(), CV_16SC2);
+  ASSERT_EQ(pyramid.size(), 3u);
+  EXPECT_EQ(pyramid[1].size(), cv::Size(160, 120));
+  EXPECT_EQ(pyramid[2].type(), CV_8UC1);
+  for (const cv::Mat& level : pyramid) {
+    cv::Mat wide = level;
+    wide.adjustROI(kPyramidBorder, kPyramidBorder, kPyramidBorder, kPyramidBorder);
+    EXPECT_EQ(wide.cols, level.cols + 2 * kPyramidBorder);
+    EXPECT_EQ(wide.at<std::uint8_t>(kPyramidBorder + 7, 0),
+              level.at<std::uint8_t>(7, kPyramidBorder));
+  }
 }
 
 TEST(UsablePixels, LensMaskAndBorderAreLeftOut) {
