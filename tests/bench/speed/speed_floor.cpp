@@ -18,8 +18,9 @@ namespace parkade {
 namespace {
 
 constexpr int kCorners = 180, kWindow = 17, kTopLevel = 3;
-constexpr double kCornerQuality = 0.01, kCornerDistance = 12;  // [px] of OpenCV's detector
-constexpr int kFreshCorners = 10;                              // [images] that corners serve
+constexpr double kCornerQuality = 0.001, kCornerDistance = 12;  // [px] of OpenCV's detector
+constexpr int kFreshCorners = 10;                               // [images] that corners serve
+constexpr size_t kPieces = 5;                                   // of the drive
 constexpr int kNetworkRuns = 10;
 constexpr size_t kMaxFile = size_t{4} << 30;
 
@@ -46,26 +47,33 @@ std::int64_t CountImages(const DriveLog& log) {
   return count;
 }
 
-/// Images that follow each other, per camera.
-std::vector<std::vector<Jpeg>> ReadSample(const DriveLog& log, int sample) {
+/// Images of one camera that follow each other.
+using Sequence = std::vector<Jpeg>;
+
+/// kPieces pieces of the drive, of each camera, `sample` images in all.
+std::vector<Sequence> ReadSample(const DriveLog& log, int sample) {
   const size_t num_cameras = log.rig().cameras.size();
-  const size_t wanted = static_cast<size_t>(sample) / num_cameras + 1;
-  const Timestamp begin = log.span().begin + 0.4 * log.span().Seconds();
-  std::vector<size_t> asked(num_cameras, 0);
+  const size_t wanted = static_cast<size_t>(sample) / num_cameras / kPieces + 2;
+  std::vector<Sequence> sequences(num_cameras * kPieces);
+  std::vector<size_t> asked(sequences.size(), 0);
+  const auto sequence_of = [&](int camera, Timestamp time) {
+    const double share = (time - log.span().begin) / log.span().Seconds();
+    const auto piece = static_cast<size_t>(std::clamp(share, 0.0, 0.999) * kPieces);
+    return static_cast<size_t>(camera) * kPieces + piece;
+  };
   ReadOptions read;
   read.imu = read.wheels = read.gnss = false;
   read.wants_image = [&](int camera, Timestamp time) {
-    return time >= begin && asked[static_cast<size_t>(camera)]++ < wanted;
+    return asked[sequence_of(camera, time)]++ < wanted;
   };
-  std::vector<std::vector<Jpeg>> images(num_cameras);
   const auto stream = log.Read(read);
   while (const auto record = stream->Next()) {
     const auto* frame = std::get_if<CameraFrame>(&*record);
     if (!frame) continue;
-    Jpeg& jpeg = images[static_cast<size_t>(frame->camera)].emplace_back();
+    Jpeg& jpeg = sequences[sequence_of(frame->camera, frame->time)].emplace_back();
     cv::imencode(".jpg", frame->image, jpeg, {cv::IMWRITE_JPEG_QUALITY, 90});
   }
-  return images;
+  return sequences;
 }
 
 std::vector<cv::Mat> PyramidOf(const cv::Mat& image) {
@@ -75,7 +83,7 @@ std::vector<cv::Mat> PyramidOf(const cv::Mat& image) {
 }
 
 /// [s] for all images but the first.
-double FollowThrough(const std::vector<Jpeg>& images) {
+double FollowThrough(const Sequence& images) {
   const cv::Size window(kWindow, kWindow);
   double seconds = 0;
   cv::Mat last_image;
@@ -134,7 +142,7 @@ SpeedFloor MeasureSpeedFloor(const DriveLog& log, const std::filesystem::path& m
   floor.images = CountImages(log);
   double seconds = 0;
   size_t count = 0;
-  for (const std::vector<Jpeg>& images : ReadSample(log, sample)) {
+  for (const Sequence& images : ReadSample(log, sample)) {
     seconds += FollowThrough(images);
     count += std::max<size_t>(images.size(), 1) - 1;
   }

@@ -16,7 +16,7 @@ struct SpeedFloor {
   double copy = 0;     ///< [s] to copy the map's files once in memory
 };
 
-/// \param sample  images that are followed, from the middle of the drive, shared by the cameras
+/// \param sample  images that are followed: pieces of all of the drive, shared by the cameras
 ///
 /// "To follow" is OpenCV's pyramid and Lucas-Kanade, of 180 corners in windows of 17 pixels, whose
 /// detection is not counted; images are packed as JPEGs of quality 90 before.
