@@ -30,12 +30,13 @@ PARKADE_INLINE void ConvolveBorder(const DepthwiseRow& row, Range columns) {
     const int first = std::max(0, -left), last = std::min(kSide, input.size.width - left);
     const int upper = std::max(0, -row.top), lower = std::min(kSide, input.size.height - row.top);
     for (std::size_t channel = 0; channel < input.step; channel += Vectors::kLength) {
-      typename Vectors::Floats sum = Load<Vectors>(row.finish.bias + channel);
+      typename Vectors::Floats sum = Vectors::At(row.finish.bias + channel).values;
       for (int i = upper; i < lower; ++i)
         for (int j = first; j < last; ++j)
-          sum += Load<Vectors>(input.At(row.top + i, left + j) + channel) *
-                 Load<Vectors>(row.weights + static_cast<std::size_t>(i * kSide + j) * input.step +
-                               channel);
+          sum += Vectors::At(input.At(row.top + i, left + j) + channel).values *
+                 Vectors::At(row.weights + static_cast<std::size_t>(i * kSide + j) * input.step +
+                             channel)
+                     .values;
       StoreFinished<Vectors>(row.finish, sum,
                              static_cast<std::size_t>(column) * input.step + channel, row.output);
     }
@@ -50,8 +51,8 @@ PARKADE_INLINE void ConvolveInner(const DepthwiseRow& row, Range columns) {
     typename Vectors::Floats weights[kSide * kSide];
 #pragma GCC unroll 25
     for (std::size_t k = 0; k < kSide * kSide; ++k)
-      weights[k] = Load<Vectors>(row.weights + k * input.step + channel);
-    const typename Vectors::Floats bias = Load<Vectors>(row.finish.bias + channel);
+      weights[k] = Vectors::At(row.weights + k * input.step + channel).values;
+    const typename Vectors::Floats bias = Vectors::At(row.finish.bias + channel).values;
     for (int column = columns.begin; column < columns.end; ++column) {
       const float* from = input.At(row.top, column * row.stride - kSide / 2) + channel;
       typename Vectors::Floats sums[2] = {bias, {}};
@@ -60,7 +61,7 @@ PARKADE_INLINE void ConvolveInner(const DepthwiseRow& row, Range columns) {
 #pragma GCC unroll 5
         for (std::size_t j = 0; j < kSide; ++j)
           sums[(i * kSide + j) % 2] +=
-              Load<Vectors>(from + i * row_step + j * input.step) * weights[i * kSide + j];
+              Vectors::At(from + i * row_step + j * input.step).values * weights[i * kSide + j];
       sums[0] += sums[1];
       StoreFinished<Vectors>(row.finish, sums[0],
                              static_cast<std::size_t>(column) * input.step + channel, row.output);

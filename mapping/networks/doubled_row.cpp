@@ -14,13 +14,13 @@ PARKADE_INLINE void FillDoubledRowIn(const DoubledRow& row) {
   using Floats = typename Vectors::Floats;
   const LayerFinish finish{.added = row.added};
   for (std::size_t channel = 0; channel < row.step; channel += Vectors::kLength) {
-    Floats here =
-        kNear * Load<Vectors>(row.near + channel) + kFar * Load<Vectors>(row.far + channel);
+    Floats here = kNear * Vectors::At(row.near + channel).values +
+                  kFar * Vectors::At(row.far + channel).values;
     Floats before = here;
     for (std::size_t column = 0; column < row.width; ++column) {
       const std::size_t next = std::min(column + 1, row.width - 1) * row.step + channel;
       const Floats behind =
-          kNear * Load<Vectors>(row.near + next) + kFar * Load<Vectors>(row.far + next);
+          kNear * Vectors::At(row.near + next).values + kFar * Vectors::At(row.far + next).values;
       Floats left = kNear * here + kFar * before, right = kNear * here + kFar * behind;
       const std::size_t at = 2 * column * row.step + channel;
       StoreFinished<Vectors>(finish, left, at, row.output);

@@ -19,8 +19,8 @@ PARKADE_INLINE void StoreFinished(const LayerFinish& finish, typename Vectors::F
                                   std::size_t at, float* output) {
   using Floats = typename Vectors::Floats;
   if (finish.is_rectified) sum = sum > 0 ? sum : Floats{};
-  if (finish.added != nullptr) sum += Load<Vectors>(finish.added + at);
-  Store<Vectors>(sum, output + at);
+  if (finish.added != nullptr) sum += Vectors::At(finish.added + at).values;
+  Vectors::Store(sum, output + at);
 }
 
 }  // namespace parkade

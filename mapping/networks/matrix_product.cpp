@@ -30,7 +30,7 @@ PARKADE_INLINE void MultiplyTile(const Tile& tile) {
   if (tile.finish.bias != nullptr)
     for (auto& row : sums)
       for (std::size_t i = 0; i < kAcross; ++i)
-        row[i] = Load<Vectors>(tile.finish.bias + i * kLength);
+        row[i] = Vectors::At(tile.finish.bias + i * kLength).values;
   const float* factors = tile.panel;
   for (std::size_t part = 0; part < tile.rows.num_parts; ++part) {
     const float* rows = tile.rows.data + part * tile.rows.part_step;
@@ -39,7 +39,8 @@ PARKADE_INLINE void MultiplyTile(const Tile& tile) {
       for (std::size_t row = 0; row < kRows; ++row)
 #pragma GCC unroll 8
         for (std::size_t i = 0; i < kAcross; ++i)
-          sums[row][i] += rows[row * tile.rows.step + k] * Load<Vectors>(factors + i * kLength);
+          sums[row][i] +=
+              rows[row * tile.rows.step + k] * Vectors::At(factors + i * kLength).values;
   }
 #pragma GCC unroll 8
   for (std::size_t row = 0; row < kRows; ++row)

@@ -20,30 +20,41 @@ constexpr std::size_t RoundUpToGroup(std::size_t count) {
   return (count + kGroup - 1) / kGroup * kGroup;
 }
 
+// By reference: how vectors are passed by value depends on the processor.
+
 /// Vectors of SSE and of NEON.
 struct NarrowVectors {
   using Floats = float __attribute__((vector_size(16)));
-  using InMemory = float __attribute__((vector_size(16), aligned(4), may_alias));
+  /// Anywhere among floats.
+  struct __attribute__((packed, may_alias)) InMemory {
+    Floats values;
+  };
   static constexpr std::size_t kLength = 4;
+
+  PARKADE_INLINE static const InMemory& At(const float* from) {
+    return *reinterpret_cast<const InMemory*>(from);
+  }
+  PARKADE_INLINE static void Store(const Floats& values, float* to) {
+    reinterpret_cast<InMemory*>(to)->values = values;
+  }
 };
 
 /// Vectors of AVX.
 struct WideVectors {
   using Floats = float __attribute__((vector_size(32)));
-  using InMemory = float __attribute__((vector_size(32), aligned(4), may_alias));
+  /// Anywhere among floats.
+  struct __attribute__((packed, may_alias)) InMemory {
+    Floats values;
+  };
   static constexpr std::size_t kLength = 8;
+
+  PARKADE_INLINE static const InMemory& At(const float* from) {
+    return *reinterpret_cast<const InMemory*>(from);
+  }
+  PARKADE_INLINE static void Store(const Floats& values, float* to) {
+    reinterpret_cast<InMemory*>(to)->values = values;
+  }
 };
-
-// By reference: how vectors are passed by value depends on the processor.
-template <typename Vectors>
-PARKADE_INLINE const typename Vectors::InMemory& Load(const float* from) {
-  return *reinterpret_cast<const typename Vectors::InMemory*>(from);
-}
-
-template <typename Vectors>
-PARKADE_INLINE void Store(const typename Vectors::Floats& values, float* to) {
-  *reinterpret_cast<typename Vectors::InMemory*>(to) = values;
-}
 
 template <typename Kernel>
 PARKADE_FOR_AVX2 void RunWithAvx2(const Kernel& kernel) {

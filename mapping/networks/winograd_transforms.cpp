@@ -40,7 +40,7 @@ PARKADE_INLINE void TransformPatchIn(const float* patch, const PatchSteps& steps
       Floats d[6], to[6];
 #pragma GCC unroll 6
       for (std::size_t row = 0; row < 6; ++row)
-        d[row] = Load<Vectors>(patch + row * steps.row_step + column * steps.step + channel);
+        d[row] = Vectors::At(patch + row * steps.row_step + column * steps.step + channel).values;
       TransformSix(d, to);
 #pragma GCC unroll 6
       for (std::size_t row = 0; row < 6; ++row) half[row][column] = to[row];
@@ -51,7 +51,7 @@ PARKADE_INLINE void TransformPatchIn(const float* patch, const PatchSteps& steps
       TransformSix(half[row], to);
 #pragma GCC unroll 6
       for (std::size_t column = 0; column < 6; ++column)
-        Store<Vectors>(to[column], planes + (row * 6 + column) * plane_step + channel);
+        Vectors::Store(to[column], planes + (row * 6 + column) * plane_step + channel);
     }
   }
 }
@@ -68,12 +68,12 @@ PARKADE_INLINE void TransformSumsIn(const float* planes, std::size_t plane_step,
       Floats m[6], to[4];
 #pragma GCC unroll 6
       for (std::size_t row = 0; row < 6; ++row)
-        m[row] = Load<Vectors>(planes + (row * 6 + column) * plane_step + channel);
+        m[row] = Vectors::At(planes + (row * 6 + column) * plane_step + channel).values;
       TransformToFour(m, to);
 #pragma GCC unroll 4
       for (std::size_t row = 0; row < 4; ++row) half[row][column] = to[row];
     }
-    const Floats bias = Load<Vectors>(tile.finish.bias + channel);
+    const Floats bias = Vectors::At(tile.finish.bias + channel).values;
     for (int row = 0; row < tile.rows; ++row) {
       Floats to[4];
       TransformToFour(half[row], to);
