@@ -14,6 +14,6 @@ foreach(line IN LISTS lines)
   string(APPEND script
     "add_test([=[${suite}]=] [=[${program}]=] [=[--gtest_filter=${suite}.*]=])\n"
     "set_tests_properties([=[${suite}]=] PROPERTIES LABELS [=[${labels}]=] TIMEOUT 1800 WORKING_DIRECTORY [=[${folder}]=]\n"
-    "  ENVIRONMENT [=[TSAN_OPTIONS=suppressions=${folder}/tests/tsan.supp;LSAN_OPTIONS=suppressions=${folder}/tests/lsan.supp]=])\n")
+    "  ENVIRONMENT [=[OPENBLAS_NUM_THREADS=1;TSAN_OPTIONS=suppressions=${folder}/tests/tsan.supp;LSAN_OPTIONS=suppressions=${folder}/tests/lsan.supp]=])\n")
 endforeach()
 file(WRITE ${file} "${script}")

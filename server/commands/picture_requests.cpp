@@ -27,7 +27,7 @@ PictureIndex ReadOrMakeIndex(const std::shared_ptr<const MessageSource>& source,
   }
   Rig rig = FindRig(*source, rig_folder);
   const auto mapped = MapFields(source, rig);
-  const PictureIndex index = IndexPictures(*mapped, rig);
+  PictureIndex index = IndexPictures(*mapped, rig);
   WriteFileAtomically(file, EncodePictureIndex(index));
   return index;
 }

@@ -97,7 +97,6 @@ SolveSummary FactorGraph::Solve(const GraphSolverOptions& options) {
   ceres::Solver::Options solver;
   solver.linear_solver_type = options.linear_solver;
   solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  solver.dense_linear_algebra_library_type = ceres::LAPACK;
   solver.max_num_iterations = options.max_iterations;
   solver.num_threads = 1;  // sums keep their order
   solver.function_tolerance = options.function_tolerance;
