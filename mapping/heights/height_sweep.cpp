@@ -8,9 +8,9 @@
 #include <set>
 #include <tuple>
 
-#include "core/largest_first.h"
 #include "core/parallel.h"
 #include "mapping/ground/isometry_of.h"
+#include "mapping/ground/largest_first.h"
 #include "mapping/heights/intersect_ray.h"
 #include "mapping/heights/local_means.h"
 

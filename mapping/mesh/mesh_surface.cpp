@@ -6,9 +6,9 @@
 #include <iterator>
 #include <tuple>
 
-#include "core/largest_first.h"
 #include "core/log.h"
 #include "core/parallel.h"
+#include "mapping/ground/largest_first.h"
 #include "mapping/mesh/mesh_window.h"
 
 namespace parkade {

@@ -12,7 +12,7 @@
 #include <tuple>
 #include <unordered_map>
 
-#include "core/largest_first.h"
+#include "mapping/ground/largest_first.h"
 #include "mapping/mesh/decimate_flat.h"
 
 namespace parkade {

@@ -19,7 +19,7 @@ struct PatchSteps {
 void TransformPatch(const float* patch, const PatchSteps& steps, float* planes,
                     std::size_t plane_step);
 
-/// A^T m A of what lies in planes likewise, with what is to be done with sums; writes the upper
+/// A^T m A of what lies in planes the same way, with what is to be done with sums; writes the upper
 /// left `rows` x `columns` of the tile.
 struct WinogradTile {
   float* data = nullptr;

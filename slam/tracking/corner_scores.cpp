@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/vectorized.h"
+#include "slam/tracking/vectorized.h"
 
 namespace parkade {
 
-/// Of the rows of an image, in integers.
+/// Works on the rows of an image, in integers.
 namespace corner_scores {
 
 constexpr int kWindow = 4;         ///< [blocks] edge of the window of the structure tensor

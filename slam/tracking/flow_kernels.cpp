@@ -1,6 +1,6 @@
 #include "slam/tracking/flow_kernels.h"
 
-#include "core/vectorized.h"
+#include "slam/tracking/vectorized.h"
 
 // What one loop writes the next one reads elsewhere in its vectors: processors wait for such values
 // unless they were written a while ago. So each loop runs over all rows.
@@ -8,7 +8,7 @@
 namespace parkade::flow {
 namespace {
 
-/// Of `step`, what belongs to a share of 2^15: one instruction multiplies and drops 16 bits.
+/// What belongs of `step` to a share of 2^15: one instruction multiplies and drops 16 bits.
 __attribute__((always_inline)) inline int Part(int step, std::int16_t share) {
   const auto doubled = static_cast<std::int16_t>(2 * step);
   return static_cast<std::int16_t>((doubled * share) >> (kShareBits + 1));

@@ -76,6 +76,7 @@ const std::vector<std::string> kRooms = {
     "server/ingest/containers/",
     "server/ingest/messages/",
     "server/ingest/video/",
+    "server/ingest/schemas/",
     "server/ingest/checks/",
     "server/ingest/drive/",
     "server/ingest/inspection/",
@@ -271,7 +272,7 @@ TEST_F(Architecture, RoomsAreSmallEnoughToKnow) {
   std::map<std::string, size_t> counts;
   for (const auto& [file, included] : includes_) ++counts[kRooms[FindRoom(file).value()]];
   for (const auto& [room, count] : counts)
-    EXPECT_LE(count, room == "core/" ? 68 : kMaxFilesPerRoom) << room;
+    EXPECT_LE(count, room == "core/" ? 70 : kMaxFilesPerRoom) << room;
 }
 
 TEST_F(Architecture, UnitsDoNotIncludeEachOther) {

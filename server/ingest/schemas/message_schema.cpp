@@ -1,7 +1,6 @@
 #include "server/ingest/schemas/message_schema.h"
 
 #include "core/error.h"
-#include "server/ingest/schemas/ros_schema.h"
 
 namespace parkade {
 namespace {

@@ -28,6 +28,9 @@ std::shared_ptr<const MessageSchema> ReadSchema(const TopicInfo& topic);
 
 // The schemas of each encoding. Throw as ReadSchema.
 std::shared_ptr<const MessageSchema> ReadProtobufSchema(const TopicInfo& topic);
+/// By the definition that the log has of the type, or else that of a type that is known without
+/// (KnownRosDefinition).
+std::shared_ptr<const MessageSchema> ReadRosSchema(const TopicInfo& topic);
 std::shared_ptr<const MessageSchema> MakeJsonSchema();
 
 }  // namespace parkade

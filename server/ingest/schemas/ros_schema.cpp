@@ -1,7 +1,7 @@
-#include "server/ingest/schemas/ros_schema.h"
-
 #include "core/error.h"
 #include "server/ingest/messages/message_reader.h"
+#include "server/ingest/schemas/message_schema.h"
+#include "server/ingest/schemas/ros_definition.h"
 
 namespace parkade {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/largest_first.h"
+#include "mapping/ground/largest_first.h"
 
 #include <gtest/gtest.h>
 
