@@ -140,9 +140,16 @@ std::uint64_t NumGood(const LogInspection& inspection,
   return count;
 }
 
+/// Whether a rig that fits finds the IMU in messages of any type.
+bool IsImuMapped(const LogInspection& inspection) {
+  const std::optional<Rig>& rig = inspection.rig;
+  return rig && rig->vehicle && !rig->vehicle->fields.imu.empty();
+}
+
 LogState StateOf(const LogInspection& inspection, bool is_rig_given) {
-  const bool has_imu =
-      NumGood(inspection, [](const std::string& type) { return type == "sensor_msgs/Imu"; }) > 0;
+  const bool has_imu = IsImuMapped(inspection) || NumGood(inspection, [](const std::string& type) {
+                                                    return type == "sensor_msgs/Imu";
+                                                  }) > 0;
   const bool has_images = NumGood(inspection, IsImageType) > 0;
   if (!has_imu || !has_images || (is_rig_given && !inspection.missing.empty()))
     return LogState::kUnusable;

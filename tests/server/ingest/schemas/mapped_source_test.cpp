@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "server/ingest/drive/open_drive_log.h"
+#include "server/ingest/inspection/inspect_log.h"
 #include "server/ingest/messages/sensor_decoding.h"
 #include "server/ingest/schemas/translated_source.h"
 #include "tests/server/ingest/messages/message_writer.h"
@@ -270,6 +271,8 @@ TEST_P(MappedEncodingsTest, ADriveWithoutAnyRosMessageIsRead) {
   ASSERT_EQ(drive->health().streams.size(), 2U);
   EXPECT_EQ(drive->health().streams[0].num_delivered, 400U);
   EXPECT_EQ(drive->health().streams[1].num_delivered, 40U);
+  const LogInspection inspection = InspectLog(file(), folder_ / "rig");
+  EXPECT_NE(inspection.state, LogState::kUnusable) << InspectionToText(inspection);
 }
 
 INSTANTIATE_TEST_SUITE_P(Encodings, MappedEncodingsTest, testing::Values("protobuf", "json"),
