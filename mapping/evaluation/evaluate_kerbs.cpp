@@ -13,7 +13,7 @@ namespace {
 constexpr double kMaxDistance =
     0.3;  // [m] from a true kerb, horizontally, at which a found one is right
 constexpr double kMaxHeightGap = 1.0;  // [m] of decks above each other
-constexpr double kReach = 5.0;         // [m] from the path to which true kerbs count
+constexpr double kReach = 8.0;         // [m] from the path to which true kerbs count
 constexpr double kSpacing = 0.2;       // [m] along kerbs
 using Eigen::Vector3d;
 

@@ -61,12 +61,6 @@ void Judge(SweptWindow& window) {
   window.agreements = {}, window.coarse = {};
 }
 
-/// [nats] by which a window tells its heights apart.
-float EvidenceOf(const SweptWindow& window) {
-  const auto [least, most] = std::minmax_element(window.costs.begin(), window.costs.end());
-  return *most - *least;
-}
-
 /// Where cars of two bins of height looked at one deck, the window that tells more. Sorted by y and
 /// x.
 std::vector<SweptWindow> OnePerDeck(std::vector<SweptWindow> windows) {
@@ -79,32 +73,16 @@ std::vector<SweptWindow> OnePerDeck(std::vector<SweptWindow> windows) {
                          std::abs(kept.back().deck_height - window.deck_height) < kSameDeck;
     if (!is_same)
       kept.push_back(std::move(window));
-    else if (EvidenceOf(window) > EvidenceOf(kept.back()))
+    else if (EvidenceOf(window.costs) > EvidenceOf(kept.back().costs))
       kept.back() = std::move(window);
   }
   return kept;
 }
 
-/// Mean and deviation [m] of an offset whose costs are given.
-struct Belief {
-  double mean = 0, sigma = 0;
-};
-
-Belief BeliefOf(std::span<const float> costs, std::span<const float> offsets) {
-  double weight = 0, sum = 0, square = 0;
-  for (std::size_t i = 0; i < costs.size(); ++i) {
-    const double likelihood = std::exp(-static_cast<double>(costs[i])),
-                 offset = static_cast<double>(offsets[i]);
-    weight += likelihood, sum += likelihood * offset, square += likelihood * offset * offset;
-  }
-  const double mean = sum / weight;
-  return {mean, std::hypot(std::sqrt(std::max(0.0, square / weight - mean * mean)), kLeastSigma)};
-}
-
 /// Windows that enough of those around them agree with: chance agrees with nobody, and along a kerb
 /// there are two at least.
 std::vector<bool> FindSupported(std::span<const GridPlace> places,
-                                std::span<const std::optional<Belief>> beliefs) {
+                                std::span<const std::optional<HeightBelief>> beliefs) {
   PatchIndex index;
   for (const GridPlace& place : places) index.Add(place.x, place.y);
   std::vector<bool> is_supported(places.size());
@@ -141,17 +119,18 @@ std::vector<HeightObservation> MeasureFineHeights(const PatchSource& patches,
     costs.insert(costs.end(), window.costs.begin(), window.costs.end());
   }
   const std::vector<float> sums = SumAlongScanlines(places, costs, offsets.size(), {});
-  std::vector<std::optional<Belief>> beliefs(windows.size());
+  std::vector<std::optional<HeightBelief>> beliefs(windows.size());
   for (std::size_t i = 0; i < windows.size(); ++i) {
-    const Belief belief =
+    HeightBelief belief =
         BeliefOf(std::span(sums).subspan(i * offsets.size(), offsets.size()), offsets);
-    if (belief.sigma <= kMaxSigma && EvidenceOf(windows[i]) >= kMinEvidence) beliefs[i] = belief;
+    belief.sigma = std::hypot(belief.sigma, kLeastSigma);
+    if (belief.sigma <= kMaxSigma && EvidenceOf(windows[i].costs) >= kMinEvidence) beliefs[i] = belief;
   }
   const std::vector<bool> is_supported = FindSupported(places, beliefs);
   std::vector<HeightObservation> heights;
   for (std::size_t i = 0; i < windows.size(); ++i) {
     if (!is_supported[i]) continue;
-    const Belief& belief = *beliefs[i];
+    const HeightBelief& belief = *beliefs[i];
     const Eigen::Vector2d middle =
         fine.window * Eigen::Vector2d(windows[i].x + 0.5, windows[i].y + 0.5);
     const int patch = field.FindPatch({middle.x(), middle.y(), windows[i].deck_height});

@@ -78,37 +78,66 @@ class Scan {
 
 }  // namespace
 
+std::vector<float> SumAlongChains(std::span<const int> before, std::span<const float> costs,
+                                  std::size_t num_heights, const StepPenalties& penalties) {
+  const std::size_t count = before.size();
+  std::vector<int> after(count, kNone);
+  for (std::size_t i = 0; i < count; ++i)
+    if (before[i] != kNone) after[static_cast<std::size_t>(before[i])] = static_cast<int>(i);
+  std::vector<float> total(costs.size());
+  for (std::size_t i = 0; i < costs.size(); ++i) total[i] = -costs[i];
+  for (const bool is_forward : {true, false}) {
+    Scan scan(costs, num_heights, penalties);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t i = is_forward ? k : count - 1 - k;
+      const int from = is_forward ? before[i] : after[i];
+      if (from == kNone)
+        scan.Start(i);
+      else
+        scan.Continue(i, static_cast<std::size_t>(from));
+    }
+    for (std::size_t i = 0; i < total.size(); ++i) total[i] += scan.sums()[i];
+  }
+  return total;
+}
+
+HeightBelief BeliefOf(std::span<const float> costs, std::span<const float> heights) {
+  double weight = 0, sum = 0, square = 0;
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    const double likelihood = std::exp(-static_cast<double>(costs[i])),
+                 height = static_cast<double>(heights[i]);
+    weight += likelihood, sum += likelihood * height, square += likelihood * height * height;
+  }
+  const double mean = sum / weight;
+  return {mean, std::sqrt(std::max(0.0, square / weight - mean * mean))};
+}
+
+float EvidenceOf(std::span<const float> costs) {
+  const auto [least, most] = std::minmax_element(costs.begin(), costs.end());
+  return *most - *least;
+}
+
+void SubtractLeast(std::span<float> costs, std::size_t num_heights) {
+  ParallelFor(costs.size() / num_heights, [&](std::size_t i) {
+    const std::span<float> row = costs.subspan(i * num_heights, num_heights);
+    const float least = *std::min_element(row.begin(), row.end());
+    for (float& cost : row) cost -= least;
+  });
+}
+
 std::vector<float> SumAlongScanlines(std::span<const GridPlace> places,
                                      std::span<const float> costs, std::size_t num_heights,
                                      const StepPenalties& penalties) {
   std::vector<float> total(costs.size());
-  for (std::size_t i = 0; i < costs.size(); ++i) total[i] = -7 * costs[i];
+  for (std::size_t i = 0; i < costs.size(); ++i) total[i] = -3 * costs[i];  // of four directions
   PatchIndex index;
   for (const GridPlace& place : places) index.Add(place.x, place.y);
   for (const Direction& direction : kDirections) {
-    const std::vector<int> before = FindBefore(places, index, direction);
-    std::vector<int> after(places.size(), kNone);
-    for (std::size_t i = 0; i < places.size(); ++i)
-      if (before[i] != kNone) after[static_cast<std::size_t>(before[i])] = static_cast<int>(i);
-    for (const bool is_forward : {true, false}) {
-      Scan scan(costs, num_heights, penalties);
-      for (std::size_t k = 0; k < places.size(); ++k) {
-        const std::size_t i = is_forward ? k : places.size() - 1 - k;
-        const int from = is_forward ? before[i] : after[i];
-        if (from == kNone)
-          scan.Start(i);
-        else
-          scan.Continue(i, static_cast<std::size_t>(from));
-      }
-      for (std::size_t i = 0; i < total.size(); ++i) total[i] += scan.sums()[i];
-    }
+    const std::vector<float> sums =
+        SumAlongChains(FindBefore(places, index, direction), costs, num_heights, penalties);
+    for (std::size_t i = 0; i < total.size(); ++i) total[i] += sums[i];
   }
-  ParallelFor(places.size(), [&](std::size_t i) {
-    const auto row = total.begin() + static_cast<std::ptrdiff_t>(i * num_heights),
-               end = row + static_cast<std::ptrdiff_t>(num_heights);
-    const float least = *std::min_element(row, end);
-    std::for_each(row, end, [&](float& cost) { cost -= least; });
-  });
+  SubtractLeast(total, num_heights);
   return total;
 }
 

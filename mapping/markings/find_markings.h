@@ -2,7 +2,7 @@
 
 #include "core/ground_markings.h"
 #include "core/option_about.h"
-#include "mapping/markings/find_kerbs.h"
+#include "mapping/kerbs/find_kerbs.h"
 #include "mapping/markings/find_slots.h"
 #include "mapping/markings/find_speed_bumps.h"
 

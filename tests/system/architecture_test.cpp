@@ -67,6 +67,7 @@ const std::vector<std::string> kRooms = {
     "mapping/surface/",
     "mapping/mesh/",
     "mapping/texture/",
+    "mapping/kerbs/",
     "mapping/markings/",
     "mapping/evaluation/",
     "export/gltf/",

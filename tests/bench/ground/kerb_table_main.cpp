@@ -6,8 +6,8 @@
 #include "core/file.h"
 #include "core/options_json.h"
 #include "mapping/evaluation/evaluate_kerbs.h"
-#include "mapping/markings/find_kerbs.h"
-#include "mapping/markings/kerb_sweep.h"
+#include "mapping/kerbs/find_kerbs.h"
+#include "mapping/kerbs/kerb_sweep.h"
 #include "mapping/mesh/mesh_surface.h"
 #include "mapping/observation/observe_ground.h"
 #include "mapping/observation/visible_points.h"
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFooter =
     R"(Maps the ground of drives that `parkade-simulate suite` made from true poses and the true rig, and compares its kerbs
-with the true ones within 5 m of the path. Drives of older versions have no true kerbs: --truth names a folder of
+with the true ones within 8 m of the path. Drives of older versions have no true kerbs: --truth names a folder of
 DRIVE.geojson, as `parkade-simulate SCENE --seed N --kerbs FILE` writes them.
 Examples: parkade-kerb-table --suite SUITE --only sim1,lot-day1 --json kerbs.json
           parkade-kerb-table --suite SUITE --set ground.use_semantics=false)";

@@ -85,5 +85,24 @@ TEST(SumAlongScanlines, DecksAreNoNeighbors) {
   EXPECT_EQ(sums[5], 0);
 }
 
+TEST(SumAlongChains, AreTheLeastThatHeightsOfTheOthersMake) {
+  constexpr std::size_t kHeights = 3;
+  const std::vector<int> before = {-1, 0, -1, 1};  // 0, 1, 3 follow each other; 2 is alone
+  const std::vector<float> costs = {0, 2, 5, 3, 0, 4, 1, 2, 3, 2, 2, 0};
+  const StepPenalties penalties{0.7F, 1};
+  std::vector<float> least(costs.size(), 1e9F);
+  for (std::size_t a = 0; a < kHeights; ++a)
+    for (std::size_t b = 0; b < kHeights; ++b)
+      for (std::size_t c = 0; c < kHeights; ++c) {
+        const float sum = costs[a] + costs[3 + b] + costs[9 + c] + PenaltyOf(a, b, penalties) +
+                          PenaltyOf(b, c, penalties);
+        for (const std::size_t at : {a, 3 + b, 9 + c}) least[at] = std::min(least[at], sum);
+      }
+  for (std::size_t i = 6; i < 9; ++i) least[i] = costs[i];
+  std::vector<float> sums = SumAlongChains(before, costs, kHeights, penalties);
+  SubtractLeast(sums, kHeights), SubtractLeast(least, kHeights);
+  for (std::size_t i = 0; i < costs.size(); ++i) EXPECT_NEAR(sums[i], least[i], 1e-5F) << i;
+}
+
 }  // namespace
 }  // namespace parkade

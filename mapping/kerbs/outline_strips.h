@@ -17,6 +17,7 @@ struct OutlineStrip {
   Eigen::Vector2d along;     ///< unit; the drivable ground lies on the left
   double slope = 0;          ///< rise of that ground along it ...
   double slope_outward = 0;  ///< ... and across it, outward
+  double height_sigma = 0;   ///< [m] of that ground, by the map
 
   Eigen::Vector2d Outward() const { return {along.y(), -along.x()}; }
   Eigen::Vector3d End(double distance) const {  ///< [m] in site, so far along

@@ -1,4 +1,4 @@
-#include "mapping/markings/outline_strips.h"
+#include "mapping/kerbs/outline_strips.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -23,7 +23,7 @@ constexpr double kRim = 0.1;      // [m] of it that may be of something else
 constexpr double kMaxStep = 0.3;  // [m] between that ground and the outline
 constexpr float kFreeBelief = 0.5F;
 constexpr double kMaxUnevenness = 0.02;  // [m] rms of that ground about a plane
-constexpr int kMinCells = 20;
+constexpr int kMinCells = 12;
 
 /// The closed outlines of a mesh, the ground on the left. Every vertex of an outline has one edge
 /// that goes on.
@@ -105,7 +105,7 @@ std::optional<Line> FitLine(const std::vector<Vector3d>& ring, int center, int h
 bool LayDown(const CellFinder& cells, double length, OutlineStrip& strip) {
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   Vector3d products = Vector3d::Zero();
-  double heights = 0;
+  double heights = 0, sigmas = 0;
   int count = 0;
   for (double s = -0.5 * length; s <= 0.5 * length; s += kStep)
     for (double u = kRim; u <= kInside; u += kStep) {
@@ -118,6 +118,7 @@ bool LayDown(const CellFinder& cells, double length, OutlineStrip& strip) {
       squares += row * row.transpose();
       products += row * height;
       heights += height * height;
+      sigmas += static_cast<double>(cell->height_sigma);
       ++count;
     }
   if (count < kMinCells) return false;
@@ -128,6 +129,7 @@ bool LayDown(const CellFinder& cells, double length, OutlineStrip& strip) {
   strip.foot.z() += plane[0];
   strip.slope = plane[1];
   strip.slope_outward = -plane[2];
+  strip.height_sigma = sigmas / count;
   return true;
 }
 

@@ -1,4 +1,4 @@
-#include "mapping/markings/find_kerbs.h"
+#include "mapping/kerbs/find_kerbs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,29 +6,37 @@
 
 #include "core/error.h"
 #include "core/statistics.h"
-#include "mapping/markings/kerb_steps.h"
-#include "mapping/markings/outline_strips.h"
+#include "mapping/kerbs/kerb_looks.h"
+#include "mapping/kerbs/kerb_steps.h"
+#include "mapping/kerbs/outline_strips.h"
 
 namespace parkade {
 namespace {
 
-constexpr int kSupportReach = 3;     // strips to each side that may support one ...
-constexpr int kMinSupport = 2;       // ... and so many must
-constexpr int kMaxGap = 3;           // strips from one to the next of the same kerb
-constexpr double kMaxHeight = 0.22;  // [m]; more is the sill of a car or a wall
-constexpr double kMaxJump = 0.03;    // [m] of height along one kerb
-constexpr double kMinLength = 2.0;   // [m] of a kerb
+constexpr int kSupportReach = 3;    // strips to each side that may support one ...
+constexpr int kMinSupport = 2;      // ... and so many must
+constexpr int kMaxGap = 3;          // strips from one to the next of the same kerb
+constexpr double kMaxJump = 0.03;   // [m] of height along one kerb
+constexpr double kMinLength = 1.0;  // [m] of a kerb
 
-/// Kerbs that strips around them support: chance agrees with nobody.
-std::vector<bool> FindSupported(std::span<const OutlineStrip> strips, const StripsAlong& along,
+/// Whether two strips may be of one kerb.
+bool Agree(const KerbStep& a, const KerbStep& b) {
+  return std::abs(a.height - b.height) <= std::max(kMaxJump, a.sigma + b.sigma);
+}
+
+/// Steps that look like kerbs, and those that strips around them support: chance agrees with
+/// nobody.
+std::vector<bool> FindSupported(std::span<const OutlineStrip> strips,
+                                std::span<const KerbLook> looks, const StripsAlong& along,
                                 std::span<const std::optional<KerbStep>> steps, double min_height) {
   std::vector<bool> is_kerb(strips.size());
   for (std::size_t i = 0; i < strips.size(); ++i) {
-    if (!steps[i] || steps[i]->height < min_height || steps[i]->height > kMaxHeight) continue;
+    if (!steps[i] || steps[i]->height < min_height || steps[i]->height > KerbStep::kMaxKerb)
+      continue;
     int support = -1;  // it agrees with itself
     for (const std::size_t other : Around(strips[i], along, kSupportReach))
-      if (steps[other] && std::abs(steps[other]->height - steps[i]->height) <= kMaxJump) ++support;
-    is_kerb[i] = support >= kMinSupport;
+      if (steps[other] && Agree(*steps[other], *steps[i])) ++support;
+    is_kerb[i] = support >= kMinSupport || looks[i] == KerbLook::kKerb;
   }
   return is_kerb;
 }
@@ -36,25 +44,32 @@ std::vector<bool> FindSupported(std::span<const OutlineStrip> strips, const Stri
 /// Strips that follow each other along one outline, in this order.
 using Run = std::vector<std::size_t>;
 
-Kerb KerbOf(const Run& run, std::span<const OutlineStrip> strips,
-            std::span<const std::optional<KerbStep>> steps) {
-  Kerb kerb;
+/// The height of a run, by those of its strips that know it best.
+KerbStep HeightOf(const Run& run, std::span<const std::optional<KerbStep>> steps) {
+  constexpr double kNearlyAsSure = 1.5;
+  double least_sigma = steps[run.front()]->sigma;
+  for (const std::size_t i : run) least_sigma = std::min(least_sigma, steps[i]->sigma);
   std::vector<double> heights, sigmas;
-  // The outline has the drivable ground on its left.
-  kerb.points.push_back(strips[run.front()].End(-0.5 * KerbStep::kStripLength));
   for (const std::size_t i : run) {
-    kerb.points.push_back(strips[i].foot);
+    if (steps[i]->sigma > kNearlyAsSure * least_sigma) continue;
     heights.push_back(steps[i]->height);
     sigmas.push_back(steps[i]->sigma);
   }
+  const double height = Median(heights);
+  // Strips share what they know, so that many know no more than one.
+  return {height, std::max(Median(sigmas), MadSigma(heights, height))};
+}
+
+Kerb KerbOf(const Run& run, std::span<const OutlineStrip> strips,
+            std::span<const std::optional<KerbStep>> steps) {
+  Kerb kerb;
+  // The outline has the drivable ground on its left.
+  kerb.points.push_back(strips[run.front()].End(-0.5 * KerbStep::kStripLength));
+  for (const std::size_t i : run) kerb.points.push_back(strips[i].foot);
   kerb.points.push_back(strips[run.back()].End(0.5 * KerbStep::kStripLength));
-  kerb.height = Median(heights);
-  // Strips are asked together with those beside them: so many know something of their own.
-  const double num_own =
-      std::max(1.0, static_cast<double>(run.size()) / (2 * KerbStep::kReach + 1));
-  kerb.height_sigma =
-      std::hypot(std::max(Median(sigmas), MadSigma(heights, kerb.height)) / std::sqrt(num_own),
-                 KerbStep::kLeastSigma);
+  const KerbStep step = HeightOf(run, steps);
+  kerb.height = step.height;
+  kerb.height_sigma = step.sigma;
   return kerb;
 }
 
@@ -62,9 +77,7 @@ Kerb KerbOf(const Run& run, std::span<const OutlineStrip> strips,
 bool Continues(const Run& run, std::size_t next, int gap, std::span<const OutlineStrip> strips,
                std::span<const std::optional<KerbStep>> steps, const StripsAlong& along) {
   if (gap > kMaxGap) return false;
-  std::vector<double> heights;
-  for (const std::size_t i : run) heights.push_back(steps[i]->height);
-  if (std::abs(steps[next]->height - Median(heights)) > kMaxJump) return false;
+  if (!Agree(*steps[next], HeightOf(run, steps))) return false;
   const OutlineStrip& last = strips[run.back()];
   for (int i = 1; i < gap; ++i) {  // what lies between says nothing
     const auto between = along.find({last.ring, (last.index + i) % last.ring_size});
@@ -104,8 +117,8 @@ std::vector<Run> FindRuns(std::span<const OutlineStrip> strips,
 }  // namespace
 
 void KerbOptions::Validate() const {
-  Require(min_height > 0 && min_height < kMaxHeight, ErrorCode::kUsage,
-          "kerbs: min_height must be in (0, 0.22) m");
+  Require(min_height > 0 && min_height < KerbStep::kMaxKerb, ErrorCode::kUsage,
+          "kerbs: min_height must be in (0, 0.25) m");
 }
 
 std::vector<Kerb> FindKerbs(const TriangleMesh& mesh, const SurfaceMap& surface,
@@ -115,8 +128,10 @@ std::vector<Kerb> FindKerbs(const TriangleMesh& mesh, const SurfaceMap& surface,
   const std::vector<OutlineStrip> strips = CutOutline(mesh, surface, KerbStep::kStripLength);
   StripsAlong along;
   for (std::size_t i = 0; i < strips.size(); ++i) along[{strips[i].ring, strips[i].index}] = i;
-  const std::vector<std::optional<KerbStep>> steps = MeasureSteps(strips, along, patches, paths);
-  const std::vector<bool> is_kerb = FindSupported(strips, along, steps, options.min_height);
+  const std::vector<KerbLook> looks = LookBeyond(strips, KerbStep::kStripLength, surface);
+  const std::vector<std::optional<KerbStep>> steps =
+      MeasureSteps(strips, looks, along, options.min_height, patches, paths);
+  const std::vector<bool> is_kerb = FindSupported(strips, looks, along, steps, options.min_height);
   std::vector<Kerb> kerbs;
   for (const Run& run : FindRuns(strips, steps, is_kerb, along)) {
     Kerb kerb = KerbOf(run, strips, steps);

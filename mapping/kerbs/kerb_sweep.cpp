@@ -1,8 +1,10 @@
-#include "mapping/markings/kerb_sweep.h"
+#include "mapping/kerbs/kerb_sweep.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "core/parallel.h"
 
@@ -70,8 +72,59 @@ struct Heights {
   }
 };
 
+/// The samples of a patch by the direction in which the camera sees them, in which they stay at any
+/// height.
+class SamplesAround {
+ public:
+  SamplesAround(const PosedGroundPatch& posed, const Vector3d& eye) : eye_(eye) {
+    samples_.reserve(posed.patch.samples.size());
+    for (const GroundSample& sample : posed.patch.samples) {
+      const Vector3d ray = posed.site_from_body * sample.point_in_body.cast<double>() - eye;
+      samples_.push_back(
+          {std::atan2(ray.y(), ray.x()), ray.cast<float>(),
+           static_cast<float>(114 * sample.blue + 587 * sample.green + 299 * sample.red) / 1000});
+    }
+    std::sort(samples_.begin(), samples_.end(), [](const Sample& a, const Sample& b) {
+      return std::tie(a.azimuth, a.ray.x(), a.ray.y()) < std::tie(b.azimuth, b.ray.x(), b.ray.y());
+    });
+  }
+
+  /// Calls `visit(ray, gray)` with those in directions between those to some places; with all where
+  /// the camera is among these.
+  template <typename Visitor>
+  void VisitBetween(std::span<const Vector2d> places, const Visitor& visit) const {
+    const auto azimuth_of = [&](const Vector2d& place) {
+      const Vector2d ray = place - eye_.head<2>();
+      return std::atan2(ray.y(), ray.x());
+    };
+    const double first = azimuth_of(places.front());
+    double from = first, to = first;
+    for (const Vector2d& place : places) {
+      const double azimuth = first + std::remainder(azimuth_of(place) - first, 2 * M_PI);
+      from = std::min(from, azimuth), to = std::max(to, azimuth);
+    }
+    if (to - from >= M_PI) from = first - M_PI, to = first + M_PI;
+    for (const double turn : {-2 * M_PI, 0.0, 2 * M_PI}) {
+      auto at = std::lower_bound(
+          samples_.begin(), samples_.end(), from + turn,
+          [](const Sample& sample, double azimuth) { return sample.azimuth < azimuth; });
+      for (; at != samples_.end() && at->azimuth <= to + turn; ++at) visit(at->ray, at->gray);
+    }
+  }
+
+ private:
+  struct Sample {
+    double azimuth = 0;   ///< [rad]
+    Eigen::Vector3f ray;  ///< [m] from the eye
+    float gray = 0;
+  };
+
+  Vector3d eye_;
+  std::vector<Sample> samples_;
+};
+
 /// The samples of a patch that show a strip at some height of the sweep.
-View LookAt(const OutlineStrip& strip, double length, const PosedGroundPatch& posed,
+View LookAt(const OutlineStrip& strip, double length, const SamplesAround& samples,
             const Vector3d& eye, const StripWindow& window) {
   View view;
   const Vector2d outward = strip.Outward();
@@ -80,26 +133,27 @@ View LookAt(const OutlineStrip& strip, double length, const PosedGroundPatch& po
   const Vector2d slope(strip.slope, strip.slope_outward);
   const double above =
       eye_in_strip.z() - slope.dot(eye_in_strip.head<2>());  // the strip's plane, continued
-  for (const GroundSample& sample : posed.patch.samples) {
-    const Vector3d offset = posed.site_from_body * sample.point_in_body.cast<double>() - strip.foot;
-    const Vector3d ray =
-        Vector3d(offset.head<2>().dot(strip.along), offset.head<2>().dot(outward), offset.z()) -
-        eye_in_strip;
+  std::array<Vector2d, 4> corners;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    corners[i] = strip.foot.head<2>() + (i % 2 == 0 ? -0.5 : 0.5) * length * strip.along +
+                 (i < 2 ? window.begin : window.End()) * outward;
+  samples.VisitBetween(corners, [&](const Eigen::Vector3f& ray_in_site, float gray) {
+    const Vector2d flat = ray_in_site.head<2>().cast<double>();
+    const Vector3d ray(flat.dot(strip.along), flat.dot(outward),
+                       static_cast<double>(ray_in_site.z()));
     const double descent = slope.dot(ray.head<2>()) - ray.z();  // toward the plane, per ray
-    if (descent < 0.05 * ray.norm()) continue;
+    if (descent < 0.05 * ray.norm()) return;
     const Vector2d per_meter = ray.head<2>() / descent;
     const Vector2d place = eye_in_strip.head<2>() + above * per_meter;
     Heights heights{window.min_height, window.max_height};
     heights = heights.Within(place.y(), per_meter.y(), window.begin, window.End());
     heights = heights.Within(place.x(), per_meter.x(), -0.5 * length, 0.5 * length);
-    if (heights.lowest > heights.highest) continue;
+    if (heights.lowest > heights.highest) return;
     const double distance = above * per_meter.norm();
-    view.push_back(
-        {static_cast<float>(place.x()), static_cast<float>(place.y()),
-         static_cast<float>(-per_meter.x()), static_cast<float>(-per_meter.y()),
-         static_cast<float>(114 * sample.blue + 587 * sample.green + 299 * sample.red) / 1000,
-         static_cast<float>(1 / (1 + distance * distance / (kSharp * kSharp)))});
-  }
+    view.push_back({static_cast<float>(place.x()), static_cast<float>(place.y()),
+                    static_cast<float>(-per_meter.x()), static_cast<float>(-per_meter.y()), gray,
+                    static_cast<float>(1 / (1 + distance * distance / (kSharp * kSharp)))});
+  });
   return view;
 }
 
@@ -248,11 +302,12 @@ std::vector<std::vector<SweptStrip>> SweepStrips(std::span<const OutlineStrip> s
     const std::vector<std::pair<std::size_t, std::vector<std::size_t>>> list(strips_of.begin(),
                                                                              strips_of.end());
     auto looks = ParallelMap(list.size(), [&](std::size_t k) {
-      const PosedGroundPatch posed = patches.Read(list[k].first);
+      const Vector3d& eye = eyes[list[k].first];
+      const SamplesAround samples(patches.Read(list[k].first), eye);
       std::vector<View> of_strips;  // window by window
       for (const StripWindow& window : windows)
         for (const std::size_t strip : list[k].second)
-          of_strips.push_back(LookAt(strips[strip], length, posed, eyes[list[k].first], window));
+          of_strips.push_back(LookAt(strips[strip], length, samples, eye, window));
       return of_strips;
     });
     for (std::size_t w = 0; w < windows.size(); ++w) {

@@ -6,12 +6,12 @@
 #include "mapping/ground/driven_path.h"
 #include "mapping/ground/patch_source.h"
 #include "mapping/heights/sweep_agreement.h"
-#include "mapping/markings/outline_strips.h"
+#include "mapping/kerbs/outline_strips.h"
 
 namespace parkade {
 
 /// [m] of a strip to the camera: a step is clear from near only.
-inline constexpr double kMaxKerbDistance = 5.0;
+inline constexpr double kMaxKerbDistance = 9.0;
 
 /// Which strip along an outline is looked at, and at which heights.
 struct StripWindow {

@@ -1,11 +1,13 @@
-#include "mapping/markings/kerb_steps.h"
+#include "mapping/kerbs/kerb_steps.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "core/statistics.h"
+#include "mapping/heights/scanline_costs.h"
 #include "mapping/heights/sweep_agreement.h"
-#include "mapping/markings/kerb_sweep.h"
+#include "mapping/kerbs/kerb_sweep.h"
 
 namespace parkade {
 namespace {
@@ -13,6 +15,15 @@ namespace {
 constexpr StripWindow kBeyond{
     0.05, -0.06, KerbStep::kMaxHeight};             // what lies nearer may be the front of the step
 constexpr StripWindow kBefore{-0.65, -0.08, 0.08};  // the rim may be of something else
+constexpr double kNoise = 1.0;         // [gray values] that views differ by for other reasons
+constexpr double kMinFreedom = 12;     // samples of a strip less its cells
+constexpr double kMaxFreedom = 40;     // neighbors keep their say, however many samples there are
+constexpr double kLeastMisfit = 0.05;  // lower ones say no more
+constexpr float kMinEvidence = 0.5F;   // [nats] of a strip itself
+constexpr double kMaxSigma = 0.015;    // [m]
+constexpr StepPenalties kAlongKerbs{1.2F, 5};
+constexpr float kUsualKerb = 0.12F, kUsualDeviation = 0.04F;  // [m]
+constexpr int kMaxChainGap = 3;  // strips from one to the next of a chain
 constexpr double kSeenShare =
     0.5;  // of the samples at the height that has most: with fewer none is judged
 constexpr double kMinObservations = 6;  // of a cell on average: less agrees by chance
@@ -64,6 +75,76 @@ Misfits MisfitsOf(const std::vector<Agreement>& agreements) {
   return misfits;
 }
 
+/// [nats] what a strip says against each height; all 0 where it says nothing.
+std::vector<float> CostsOf(const SweptStrip& swept) {
+  std::vector<float> costs(static_cast<std::size_t>(kBeyond.NumHeights()));
+  if (swept.num_views < kMinViews || swept.near_outline.empty()) return costs;
+  std::vector<Agreement> agreements = swept.near_outline;
+  std::vector<double> freedoms;
+  for (std::size_t i = 0; i < agreements.size(); ++i) {
+    agreements[i].Add(swept.far_off[i]);
+    freedoms.push_back(agreements[i].num_samples - agreements[i].num_cells);
+  }
+  const double usual = Median(std::move(freedoms));
+  if (usual < kMinFreedom) return costs;
+  const double freedom = std::min(usual / kViewCorrelation, kMaxFreedom);
+  const std::vector<double> misfits = MisfitsOf(agreements, kNoise * kNoise, 0.5 * usual);
+  for (std::size_t i = 0; i < costs.size(); ++i)
+    costs[i] = static_cast<float>(0.5 * freedom * std::log(std::max(misfits[i], kLeastMisfit)));
+  return costs;
+}
+
+/// The strip before each one along its outline, or -1.
+std::vector<int> FindBefore(std::span<const OutlineStrip> strips) {
+  std::vector<int> before(strips.size(), -1);
+  for (std::size_t i = 1; i < strips.size(); ++i)
+    if (strips[i].ring == strips[i - 1].ring &&
+        strips[i].index - strips[i - 1].index <= kMaxChainGap)
+      before[i] = static_cast<int>(i) - 1;
+  return before;
+}
+
+/// What is said of the heights of what lies beyond each strip, with those along it and alone.
+struct HeightCosts {
+  std::vector<float> heights;      ///< [m] above the ground at the outline
+  std::vector<float> own, summed;  ///< [nats] strips x heights
+
+  std::span<const float> Of(const std::vector<float>& costs, std::size_t strip) const {
+    return std::span(costs).subspan(strip * heights.size(), heights.size());
+  }
+};
+
+HeightCosts CostsOf(std::span<const OutlineStrip> strips, std::span<const SweptStrip> beyond) {
+  HeightCosts costs;
+  for (int i = 0; i < kBeyond.NumHeights(); ++i)
+    costs.heights.push_back(static_cast<float>(kBeyond.HeightAt(i)));
+  for (const SweptStrip& swept : beyond) {
+    const std::vector<float> of_strip = CostsOf(swept);
+    costs.own.insert(costs.own.end(), of_strip.begin(), of_strip.end());
+  }
+  costs.summed = SumAlongChains(FindBefore(strips), costs.own, costs.heights.size(), kAlongKerbs);
+  SubtractLeast(costs.summed, costs.heights.size());
+  return costs;
+}
+
+/// The height that views agree on, if they do.
+std::optional<KerbStep> MeasuredTop(const HeightCosts& costs, std::size_t strip) {
+  const HeightBelief belief = BeliefOf(costs.Of(costs.summed, strip), costs.heights);
+  if (belief.sigma > kMaxSigma || EvidenceOf(costs.Of(costs.own, strip)) < kMinEvidence) return {};
+  return KerbStep{belief.mean, belief.sigma};
+}
+
+/// What is known of the height of a kerb, if only how high kerbs are.
+KerbStep TopOfKerb(const HeightCosts& costs, std::size_t strip) {
+  std::vector<float> with_prior;
+  for (std::size_t i = 0; i < costs.heights.size(); ++i) {
+    const float off = (costs.heights[i] - kUsualKerb) / kUsualDeviation;
+    with_prior.push_back(costs.Of(costs.summed, strip)[i] + 0.5F * off * off);
+  }
+  const HeightBelief belief = BeliefOf(with_prior, costs.heights);
+  return {belief.mean, belief.sigma};
+}
+
 /// How clear a dip of the misfit must be. \see SweepClarity
 struct Clarity {
   double max_misfit = 0, max_rivalry = 0;
@@ -92,6 +173,14 @@ std::optional<KerbStep> FindStep(const std::vector<Agreement>& agreements,
   if (!minimum) return {};
   return KerbStep{window.HeightAt(static_cast<double>(first + best)) + minimum->offset,
                   std::sqrt(minimum->variance)};
+}
+
+/// The ground before the outline [m] above what the map says: its height is nearly known.
+std::optional<KerbStep> GroundBefore(const std::vector<Agreement>& agreements) {
+  constexpr Clarity kFaint{0.97, 0.98, 0.95};
+  constexpr double kCellsPerStrip = (StripWindow::kNearRows + StripWindow::kFarRows) *
+                                    KerbStep::kStripLength / StripWindow::kCellSize;
+  return FindStep(agreements, kBefore, kCellsPerStrip * (2 * KerbStep::kReach + 1), kFaint);
 }
 
 /// Whether what lies farther off is as high: then the step has a level top.
@@ -127,29 +216,28 @@ std::vector<std::size_t> Around(const OutlineStrip& strip, const StripsAlong& al
 }
 
 std::vector<std::optional<KerbStep>> MeasureSteps(std::span<const OutlineStrip> strips,
-                                                  const StripsAlong& along,
+                                                  std::span<const KerbLook> looks,
+                                                  const StripsAlong& along, double min_height,
                                                   const PatchSource& patches,
                                                   std::span<const DrivenPath> paths) {
-  constexpr Clarity kClear{0.85, 0.9, 0.85};
-  constexpr Clarity kFaint{0.97, 0.98, 0.95};  // what the ground's height is, is nearly known
-  constexpr double kCellsPerStrip = (StripWindow::kNearRows + StripWindow::kFarRows) *
-                                    KerbStep::kStripLength / StripWindow::kCellSize;
-  constexpr double kNumCells = kCellsPerStrip * (2 * KerbStep::kReach + 1);
   const std::array<StripWindow, 2> windows = {kBeyond, kBefore};
   const auto swept = SweepStrips(strips, KerbStep::kStripLength, patches, paths, windows);
   const std::vector<SweptStrip>&beyond = swept[0], &before = swept[1];
+  const HeightCosts costs = CostsOf(strips, beyond);
   std::vector<std::optional<KerbStep>> steps(strips.size());
   for (std::size_t i = 0; i < strips.size(); ++i) {
-    if (beyond[i].num_views < kMinViews) continue;
     const std::vector<std::size_t> around = Around(strips[i], along, KerbStep::kReach);
-    std::optional<KerbStep> top =
-        FindStep(SumOf(around, beyond, true, true), kBeyond, kNumCells, kClear);
-    if (!top || !IsLevel(SumOf(around, beyond, false, true), top->height)) continue;
-    const std::optional<KerbStep> ground =
-        FindStep(SumOf(around, before, true, true), kBefore, kNumCells, kFaint);
+    std::optional<KerbStep> top = MeasuredTop(costs, i);
+    const bool is_flat = top && top->height < min_height - 2 * top->sigma;
+    if (top && !IsLevel(SumOf(around, beyond, false, true), top->height)) top.reset();
+    const bool is_near = beyond[i].num_views >= kMinViews;
+    if (!top && looks[i] == KerbLook::kKerb && is_near && !is_flat) top = TopOfKerb(costs, i);
+    if (!top) continue;
+    const std::optional<KerbStep> ground = GroundBefore(SumOf(around, before, true, true));
     if (ground) top->height -= ground->height;
-    top->sigma =
-        std::hypot(top->sigma, ground ? ground->sigma : kUnknownGround, KerbStep::kLeastSigma);
+    const double ground_sigma =
+        ground ? ground->sigma : std::max(kUnknownGround, strips[i].height_sigma);
+    top->sigma = std::hypot(top->sigma, ground_sigma, KerbStep::kLeastSigma);
     steps[i] = top;
   }
   return steps;

@@ -27,10 +27,10 @@ struct KerbOptions {
 /// Along the outline of the mesh a sweep of its own (SweepStrips) looks just beyond it: views from
 /// different places agree at the height of what is level there, next to the outline and farther off
 /// alike. Walls and parked cars agree at no height more than at others. The ground before the
-/// outline is swept, too, and its height taken off. A height is believed where the dip is clear, no
-/// other is as deep, and strips along the outline support it; elsewhere nothing is said. Strips
-/// that follow each other are one kerb; up to two that say nothing are bridged. O(samples near the
-/// outline); in parallel, the same every time.
+/// outline is swept, too, and its height taken off. What strips along the outline say is put
+/// together (MeasureSteps), and what a network takes for a kerb (LookBeyond) is believed unless it
+/// is seen to be flat. Strips that follow each other are one kerb; short gaps that say nothing are
+/// bridged. O(samples near the outline); in parallel, the same every time.
 std::vector<Kerb> FindKerbs(const TriangleMesh& mesh, const SurfaceMap& surface,
                             const PatchSource& patches, std::span<const DrivenPath> paths,
                             const KerbOptions& options = {});
