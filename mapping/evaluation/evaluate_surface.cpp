@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "mapping/evaluation/height_calibration.h"
 #include "mapping/evaluation/height_raster.h"
 
 namespace parkade {
@@ -189,6 +190,20 @@ void CompareCommonGround(const ScopedRaster& truth, const ScopedRaster& estimate
   evaluation.ramp_height_rmse = RootMeanSquare(on_ramps);
 }
 
+/// [m] of the true ground at a point of the estimate that counts.
+std::optional<double> TrueHeight(const ScopedRaster& truth, const ScopedRaster& estimate,
+                                 const Eigen::Vector3d& point,
+                                 const SurfaceEvaluationOptions& options) {
+  const HeightRaster::Sample at{static_cast<int>(std::floor(point.x() / options.sample_spacing)),
+                                static_cast<int>(std::floor(point.y() / options.sample_spacing)),
+                                point.z()};
+  const int own = estimate.Find(at, options.max_height_gap);
+  if (own < 0 || !estimate.counts[static_cast<size_t>(own)]) return {};
+  const int found = truth.Find(at, options.max_height_gap);
+  if (found < 0) return {};
+  return truth.samples()[static_cast<size_t>(found)].height;
+}
+
 }  // namespace
 
 void SurfaceEvaluationOptions::Validate() const {
@@ -211,6 +226,9 @@ SurfaceEvaluation EvaluateSurface(const TriangleMesh& truth_mesh, const Triangle
 
   SurfaceEvaluation evaluation;
   CompareCommonGround(truth, estimate, options, evaluation);
+  evaluation.beyond_two_sigmas_percent = PercentBeyondTwoSigmas(
+      estimate_mesh,
+      [&](const Eigen::Vector3d& point) { return TrueHeight(truth, estimate, point, options); });
   // What is there and was never seen cannot be false, but counts as part of the estimate.
   const size_t num_false = Count(estimate.counts) - evaluation.num_samples;
   const std::vector<double> distances = ParallelMap(estimate.samples().size(), [&](size_t i) {
@@ -251,6 +269,7 @@ std::string ToText(const SurfaceEvaluation& e) {
                 "surface              %.1f m^2 of %.1f m^2\n"
                 "height error         rmse %.4f m  bias %+.4f m  median %.4f m  p90 %.4f m  p95 "
                 "%.4f m  max %.4f m\n"
+                "height sigmas        %.1f %% of the area off by more than two\n"
                 "accuracy             rmse %.4f m\n"
                 "completeness         %.2f %%\n"
                 "false free space     %.2f %%\n"
@@ -258,9 +277,10 @@ std::string ToText(const SurfaceEvaluation& e) {
                 "boundary IoU         %.4f  %.4f over 2 %% of the diagonal, %.2f m\n"
                 "ramps                rmse %.4f m on %.1f m^2\n",
                 e.estimate_area, e.truth_area, e.height_rmse, e.height_bias, e.height_median,
-                e.height_p90, e.height_p95, e.height_max, e.accuracy_rmse, e.completeness_percent,
-                e.false_free_percent, e.iou, e.boundary_iou, e.relative_boundary_iou,
-                e.relative_boundary_width, e.ramp_height_rmse, e.ramp_area);
+                e.height_p90, e.height_p95, e.height_max, e.beyond_two_sigmas_percent,
+                e.accuracy_rmse, e.completeness_percent, e.false_free_percent, e.iou,
+                e.boundary_iou, e.relative_boundary_iou, e.relative_boundary_width,
+                e.ramp_height_rmse, e.ramp_area);
   return text;
 }
 
@@ -274,6 +294,7 @@ nlohmann::json ToJson(const SurfaceEvaluation& e) {
           {"height_p90", e.height_p90},
           {"height_p95", e.height_p95},
           {"height_max", e.height_max},
+          {"beyond_two_sigmas_percent", e.beyond_two_sigmas_percent},
           {"accuracy_rmse", e.accuracy_rmse},
           {"completeness_percent", e.completeness_percent},
           {"false_free_percent", e.false_free_percent},

@@ -53,6 +53,7 @@ struct SurfaceEvaluation {
   double height_bias = 0;       ///< [m] mean of estimate - truth
   double height_median = 0;     ///< [m] of absolute differences, as the next three
   double height_p90 = 0, height_p95 = 0, height_max = 0;
+  double beyond_two_sigmas_percent = 0;  ///< of the estimate's area on true ground, by its sigmas
   double accuracy_rmse =
       0;  ///< [m] distance of each sample of the estimate to the truth, false ones too
   double completeness_percent =

@@ -124,7 +124,8 @@ std::vector<HeightObservation> MeasureFineHeights(const PatchSource& patches,
     HeightBelief belief =
         BeliefOf(std::span(sums).subspan(i * offsets.size(), offsets.size()), offsets);
     belief.sigma = std::hypot(belief.sigma, kLeastSigma);
-    if (belief.sigma <= kMaxSigma && EvidenceOf(windows[i].costs) >= kMinEvidence) beliefs[i] = belief;
+    if (belief.sigma <= kMaxSigma && EvidenceOf(windows[i].costs) >= kMinEvidence)
+      beliefs[i] = belief;
   }
   const std::vector<bool> is_supported = FindSupported(places, beliefs);
   std::vector<HeightObservation> heights;
