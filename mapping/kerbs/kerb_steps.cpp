@@ -16,6 +16,7 @@ constexpr StripWindow kBeyond{
     0.05, -0.06, KerbStep::kMaxHeight};             // what lies nearer may be the front of the step
 constexpr StripWindow kBefore{-0.65, -0.08, 0.08};  // the rim may be of something else
 constexpr double kNoise = 1.0;         // [gray values] that views differ by for other reasons
+constexpr double kMinParallax = 1.0;   // [m per meter of height] views from one side agree anywhere
 constexpr double kMinFreedom = 12;     // samples of a strip less its cells
 constexpr double kMaxFreedom = 40;     // neighbors keep their say, however many samples there are
 constexpr double kLeastMisfit = 0.05;  // lower ones say no more
@@ -78,7 +79,8 @@ Misfits MisfitsOf(const std::vector<Agreement>& agreements) {
 /// [nats] what a strip says against each height; all 0 where it says nothing.
 std::vector<float> CostsOf(const SweptStrip& swept) {
   std::vector<float> costs(static_cast<std::size_t>(kBeyond.NumHeights()));
-  if (swept.num_views < kMinViews || swept.near_outline.empty()) return costs;
+  if (swept.num_views < kMinViews || swept.parallax < kMinParallax || swept.near_outline.empty())
+    return costs;
   std::vector<Agreement> agreements = swept.near_outline;
   std::vector<double> freedoms;
   for (std::size_t i = 0; i < agreements.size(); ++i) {

@@ -240,10 +240,23 @@ class StripImage {
   std::vector<std::pair<int, const ObservedPoint*>> hits_;
 };
 
+double ParallaxOf(const std::vector<View>& views) {
+  double sum = 0, square = 0;
+  for (const View& view : views) {
+    double shift = 0;
+    for (const ObservedPoint& point : view) shift += static_cast<double>(point.along_shift);
+    shift /= static_cast<double>(view.size());
+    sum += shift, square += shift * shift;
+  }
+  const auto count = static_cast<double>(views.size());
+  return std::sqrt(std::max(0.0, square / count - sum * sum / (count * count)));
+}
+
 SweptStrip Sweep(const std::vector<View>& views, double length, const StripWindow& window) {
   SweptStrip swept;
   swept.num_views = static_cast<int>(views.size());
   if (views.size() < 2) return swept;
+  swept.parallax = ParallaxOf(views);
   StripImage image(length, window);
   for (int i = 0; i < window.NumHeights(); ++i) {
     image.Draw(window.HeightAt(i), views);

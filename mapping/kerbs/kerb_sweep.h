@@ -33,6 +33,7 @@ struct StripWindow {
 struct SweptStrip {
   std::vector<Agreement> near_outline = {}, far_off = {};
   int num_views = 0;
+  double parallax = 0;  ///< [m per meter of height] rms by which views' shifts along it differ
 };
 
 /// Lifts strips from the plane of the ground at the outline. All samples count, whatever they were
