@@ -66,7 +66,7 @@ SurfaceEvaluation EvaluateGround(const EvaluateArguments& arguments,
 }
 
 constexpr double kSlotRange = 8;  // [m] from which a camera may see the lines of a slot
-constexpr double kKerbRange = 6;  // [m] from which a camera may see the ground before a kerb
+constexpr double kKerbRange = 9;  // [m] from which a camera may see the ground before a kerb
 
 /// The ground that the masks of a log show from near, where there is a log.
 SlotScope ScopeOf(const EvaluateArguments& arguments, double max_distance) {
@@ -185,9 +185,9 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
                       "meter of both lines "
                       "within 8 m");
   command->add_option("--kerbs", arguments->kerbs,
-                      "true kerbs (GeoJSON); with --truth those within 5 m of the true path, with "
+                      "true kerbs (GeoJSON); with --truth those within 8 m of the true path, with "
                       "--seen-in those before "
-                      "which a camera saw the ground within 6 m");
+                      "which a camera saw the ground within 9 m");
   command->add_option("--map", arguments->map,
                       "finished map (folder) whose slots and kerbs are compared with them");
   command->add_option("--rig", arguments->rig,
