@@ -2,11 +2,16 @@
 
 #include <ceres/solver.h>
 
+#include <algorithm>
+#include <chrono>
+
+#include "core/parallel.h"
 #include "slam/factors/imu_cost.h"
 #include "slam/factors/measurement_model.h"
 #include "slam/factors/relative_pose_cost.h"
 #include "slam/factors/standstill_cost.h"
 #include "slam/factors/wheel_cost.h"
+#include "slam/schur/schur_solver.h"
 
 namespace parkade {
 
@@ -15,6 +20,14 @@ FactorGraph::FactorGraph(ParameterArena& arena, double bearing_weight)
       loss_(kRobustWidth),
       bearing_loss_(&loss_, bearing_weight, ceres::DO_NOT_TAKE_OWNERSHIP),
       problem_(ProblemOptions(&views_)) {}
+
+void FactorGraph::ViewUpdater::Update() {
+  constexpr size_t kPiece = 256;
+  ParallelFor((views_.size() + kPiece - 1) / kPiece, [this](size_t piece) {
+    for (size_t i = piece * kPiece; i < std::min((piece + 1) * kPiece, views_.size()); ++i)
+      views_[i]->Update();
+  });
+}
 
 ceres::Problem::Options FactorGraph::ProblemOptions(ceres::EvaluationCallback* callback) {
   ceres::Problem::Options options;
@@ -94,8 +107,35 @@ double FactorGraph::Cost() {
 }
 
 SolveSummary FactorGraph::Solve(const GraphSolverOptions& options) {
+  const std::vector<double> before = arena_.values();
+  SolveSummary summary = options.solver == GraphSolverOptions::Solver::kSchurSolver
+                             ? SolveBySchur(options)
+                             : SolveByCeres(options);
+  if (!summary.is_usable || !arena_.IsFinite()) arena_.Restore(before);
+  summary.landmarks = static_cast<int>(landmarks_.size());
+  summary.bearings = num_bearings_;
+  return summary;
+}
+
+SolveSummary FactorGraph::SolveBySchur(const GraphSolverOptions& options) {
+  static_assert(kLandmarkSize == kSchurLandmarkSize);
+  const auto start = std::chrono::steady_clock::now();
+  SchurSolver solver(problem_, landmarks_, [this] { views_.Update(); });
+  const SchurSummary solved =
+      solver.Solve({options.max_iterations, options.function_tolerance, options.trust_region});
+  SolveSummary summary;
+  summary.iterations = solved.iterations;
+  summary.final_cost = solved.final_cost;
+  summary.is_usable = solved.is_usable;
+  summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return summary;
+}
+
+SolveSummary FactorGraph::SolveByCeres(const GraphSolverOptions& options) {
   ceres::Solver::Options solver;
-  solver.linear_solver_type = options.linear_solver;
+  solver.linear_solver_type = options.solver == GraphSolverOptions::Solver::kCeresDense
+                                  ? ceres::DENSE_SCHUR
+                                  : ceres::SPARSE_SCHUR;
   solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
   solver.max_num_iterations = options.max_iterations;
   solver.num_threads = 1;  // sums keep their order
@@ -105,13 +145,14 @@ SolveSummary FactorGraph::Solve(const GraphSolverOptions& options) {
   solver.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   for (double* block : free_states_) solver.linear_solver_ordering->AddElementToGroup(block, 1);
   for (double* block : landmarks_) solver.linear_solver_ordering->AddElementToGroup(block, 0);
-
-  const std::vector<double> before = arena_.values();
-  ceres::Solver::Summary summary;
-  ceres::Solve(solver, &problem_, &summary);
-  if (!summary.IsSolutionUsable() || !arena_.IsFinite()) arena_.Restore(before);
-  return {static_cast<int>(summary.iterations.size()) - 1, summary.total_time_in_seconds,
-          summary.final_cost, static_cast<int>(landmarks_.size()), num_bearings_};
+  ceres::Solver::Summary solved;
+  ceres::Solve(solver, &problem_, &solved);
+  SolveSummary summary;
+  summary.iterations = static_cast<int>(solved.iterations.size()) - 1;
+  summary.seconds = solved.total_time_in_seconds;
+  summary.final_cost = solved.final_cost;
+  summary.is_usable = solved.IsSolutionUsable();
+  return summary;
 }
 
 }  // namespace parkade

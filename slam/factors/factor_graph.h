@@ -4,7 +4,6 @@
 #include <ceres/evaluation_callback.h>
 #include <ceres/loss_function.h>
 #include <ceres/problem.h>
-#include <ceres/types.h>
 
 #include <memory>
 #include <unordered_set>
@@ -33,7 +32,10 @@ struct CameraBlocks {
 
 /// How a graph is solved.
 struct GraphSolverOptions {
-  ceres::LinearSolverType linear_solver = ceres::DENSE_SCHUR;  ///< landmarks are eliminated first
+  /// Landmarks are eliminated first. SchurSolver, in all threads, is for many states; Ceres, in
+  /// one, for a window's.
+  enum class Solver { kCeresDense, kCeresSparse, kSchurSolver };
+  Solver solver = Solver::kCeresDense;
   int max_iterations = 10;
   double function_tolerance = 1e-5;
   double trust_region = 1e6;  ///< 1 / this share of the diagonal is added at the start
@@ -46,13 +48,14 @@ struct SolveSummary {
   double final_cost = 0;
   int landmarks = 0;
   int bearings = 0;
+  bool is_usable = false;
 };
 
 /// The measurements of a drive, or of a part of it, as one least-squares problem over blocks of
 /// parameters: states of nodes, wheel scale, calibration of the cameras, landmarks, and where odom
 /// lies in the site. The one place where costs, losses and manifolds meet; what is in a graph is
 /// its caller's policy. Blocks and factors keep the order in which they are added, on which the
-/// last bit of a result depends. Deterministic; one thread.
+/// last bit of a result depends. Deterministic.
 ///
 /// Blocks lie in `arena`; it, and the measurements given by reference, must outlive the graph.
 class FactorGraph {
@@ -102,9 +105,9 @@ class FactorGraph {
       if (known_.insert(&view).second) views_.push_back(&view);
     }
     void PrepareForEvaluation(bool, bool new_evaluation_point) override {
-      if (!new_evaluation_point) return;
-      for (ImageView* view : views_) view->Update();
+      if (new_evaluation_point) Update();
     }
+    void Update();
 
    private:
     std::vector<ImageView*> views_;
@@ -112,6 +115,8 @@ class FactorGraph {
   };
 
   static ceres::Problem::Options ProblemOptions(ceres::EvaluationCallback* callback);
+  SolveSummary SolveBySchur(const GraphSolverOptions& options);
+  SolveSummary SolveByCeres(const GraphSolverOptions& options);
   void AddBlock(double* block, int size, ceres::Manifold* manifold, bool is_free);
   void AddFactor(std::unique_ptr<ceres::CostFunction> cost, ceres::LossFunction* loss,
                  const std::vector<double*>& blocks);

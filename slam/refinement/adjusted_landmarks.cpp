@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/decompositions.h"
+#include "core/parallel.h"
 #include "slam/factors/measurement_model.h"
 #include "slam/factors/triangulate.h"
 
@@ -41,7 +42,7 @@ bool Triangulate(const AdjustedDrive& drive, AdjustedLandmark& landmark) {
   return true;
 }
 
-void FitLandmark(AdjustedDrive& drive, AdjustedLandmark& landmark) {
+void FitLandmark(const AdjustedDrive& drive, AdjustedLandmark& landmark) {
   for (int step = 0; step < kFitSteps; ++step) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -143,7 +144,8 @@ void HoldOutLandmarks(size_t every, AdjustedDrive& drive) {
 
 void FitLandmarks(AdjustedDrive& drive) {
   drive.PointImages();
-  for (AdjustedLandmark& landmark : drive.landmarks) FitLandmark(drive, landmark);
+  ParallelFor(drive.landmarks.size(),
+              [&drive](size_t i) { FitLandmark(drive, drive.landmarks[i]); });
 }
 
 double RobustErrorOf(const AdjustedDrive& drive, const AdjustedLandmark& landmark) {

@@ -47,6 +47,7 @@ const std::vector<FolderRule> kFolderRules = {
 const std::vector<std::string> kRooms = {
     "core/",
     "slam/tracking/",
+    "slam/schur/",
     "slam/factors/",
     "slam/initialization/",
     "slam/smoother/",
