@@ -18,4 +18,10 @@ void TuneMalloc() {
 #endif
 }
 
+void ReleaseIdleMemory() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
+}
+
 }  // namespace parkade

@@ -8,4 +8,8 @@ namespace parkade {
 /// their work.
 void TuneMalloc();
 
+/// Gives back to the system what was let go and nothing has taken since: between stages, so that
+/// what one has left does not add to what the next needs.
+void ReleaseIdleMemory();
+
 }  // namespace parkade

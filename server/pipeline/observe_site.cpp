@@ -1,5 +1,7 @@
 #include "server/pipeline/observe_site.h"
 
+#include "core/tune_malloc.h"
+
 namespace parkade {
 
 SiteGround ObserveSite(const BuildContext& context, const std::vector<DriveInWork>& drives,
@@ -11,6 +13,7 @@ SiteGround ObserveSite(const BuildContext& context, const std::vector<DriveInWor
     const GroundObservation& seen = file.value->observation();
     built.drives[i].num_ground_images = seen.num_images;
     built.warnings.insert(built.warnings.end(), seen.warnings.begin(), seen.warnings.end());
+    ReleaseIdleMemory();
     if (context.options.surface.method == "surface")
       ground.heights.push_back(MeasureHeights(context, drives[i], file, number).value);
 

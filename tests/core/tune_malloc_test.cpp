@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <memory>
 #include <vector>
 
 namespace parkade {
@@ -25,6 +26,24 @@ TEST(KeepMemory, APieceThatWasLetGoIsTakenAgainWithoutNewPages) {
   const long before = PageFaults();
   for (int i = 0; i < 5; ++i) const std::vector<char> again(kSize, 2);
   EXPECT_LT(PageFaults() - before, kPages);
+}
+
+TEST(ReleaseIdleMemory, WhatIsLetGoBelowWhatIsHeldNeedsNewPages) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers have an allocator of their own";
+#endif
+  constexpr std::size_t kSize = 16 << 20;
+  constexpr int kPages = kSize / 4096;
+  TuneMalloc();
+  auto idle = std::make_unique<std::vector<char>>(kSize, 1);
+  const std::vector<char> held(kSize, 1);
+  idle.reset();
+
+  ReleaseIdleMemory();
+
+  const long before = PageFaults();
+  const std::vector<char> again(kSize, 2);
+  EXPECT_GE(PageFaults() - before, kPages / 2);
 }
 
 }  // namespace
