@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "core/calibration/rig_files.h"
 #include "core/error.h"
 #include "core/file.h"
-#include "core/rig_files.h"
 #include "mapping/networks/freespace_network.h"
 #include "mapping/observation/segment_image.h"
 #include "server/commands/commands.h"

@@ -1,8 +1,8 @@
 #include "server/store/rig_store.h"
 
+#include "core/calibration/rig_files.h"
 #include "core/error.h"
 #include "core/file.h"
-#include "core/rig_files.h"
 #include "core/sha256.h"
 #include "server/store/access/audit_log.h"
 #include "server/store/disk/durable_file.h"
@@ -31,6 +31,7 @@ RigFiles WithUsualNames(RigFiles files) {
   const RigFileNames found = FindRigFiles(names);
   Rename(files, found.camera_chain, kCameraChainFile);
   Rename(files, found.imu, kImuFile);
+  Rename(files, found.basalt, kBasaltFile);
   return files;
 }
 
@@ -42,9 +43,10 @@ StoredRig StoreRig(Store& store, const std::string& name, RigFiles files,
           "the name of a rig is 1 to 64 letters, digits, dots, dashes or underscores, and starts "
           "with a letter or digit");
   files = WithUsualNames(std::move(files));
+  const bool is_basalt = files.contains(kBasaltFile) && !files.contains(kCameraChainFile);
   for (const char* required : {kCameraChainFile, kImuFile, "vehicle.yaml"})
-    Require(files.contains(required), ErrorCode::kInvalidInput,
-            std::string("the rig lacks '") + required + "'");
+    Require(files.contains(required) || (is_basalt && std::string_view(required) != "vehicle.yaml"),
+            ErrorCode::kInvalidInput, std::string("the rig lacks '") + required + "'");
   for (const auto& [file, content] : files)
     Require(IsPlainName(file), ErrorCode::kInvalidInput,
             "the rig holds a file with an unusual name");

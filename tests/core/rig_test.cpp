@@ -5,8 +5,8 @@
 #include <fstream>
 #include <opencv2/core.hpp>
 
+#include "core/calibration/rig_files.h"
 #include "core/error.h"
-#include "core/rig_files.h"
 
 namespace parkade {
 namespace {

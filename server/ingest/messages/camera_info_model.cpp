@@ -21,27 +21,37 @@ CameraModel::Projection RadTan(const Focal& f, const std::vector<double>& d) {
       .distortion = {.k1 = at(0), .k2 = at(1), .p1 = at(2), .p2 = at(3), .k3 = at(4)}};
 }
 
+/// Nothing of a lens may be cut off: what comes behind the coefficients that are used must be 0.
+void RequireNoMore(const CameraInfoMessage& info, std::size_t num_used, const std::string& camera) {
+  const std::vector<double>& d = info.distortion;
+  std::size_t place = num_used;
+  while (place < d.size() && d[place] == 0) ++place;
+  if (place >= d.size()) return;
+  const bool is_of_opencv = num_used == 5;  // k1 k2 p1 p2 k3, k4 k5 k6, s1 ... s4, tilt
+  const char* what = !is_of_opencv ? "more than 4 coefficients"
+                     : place < 8   ? "a denominator"
+                     : place < 12  ? "a thin prism"
+                                   : "a tilted sensor";
+  throw Error(ErrorCode::kInvalidInput, camera + " has the distortion model " +
+                                            info.distortion_model + " with " + what +
+                                            ", which Parkade does not know: bring a rig");
+}
+
 CameraModel::Projection Distorted(const Focal& f, const CameraInfoMessage& info,
                                   const std::string& camera) {
   const std::vector<double>& d = info.distortion;
   const std::string& name = info.distortion_model;
   const bool is_zero = std::all_of(d.begin(), d.end(), [](double value) { return value == 0; });
   if (name == "none" || (name.empty() && is_zero)) return PinholeProjection{f.fx, f.fy, f.cx, f.cy};
-  if (name == "plumb_bob" || (name == "rational_polynomial" && d.size() <= 5)) return RadTan(f, d);
-  if (name == "rational_polynomial") {
-    const bool has_denominator =
-        std::any_of(d.begin() + 5, d.end(), [](double value) { return value != 0; });
-    Require(!has_denominator, ErrorCode::kInvalidInput,
-            camera +
-                " has the distortion model rational_polynomial with a denominator, which Parkade "
-                "does not know: "
-                "bring a rig");
+  if (name == "plumb_bob" || name == "rational_polynomial") {
+    RequireNoMore(info, 5, camera);
     return RadTan(f, d);
   }
   if (name == "equidistant" || name == "fisheye" || name == "kannala_brandt") {
     Require(
         d.size() >= 4, ErrorCode::kInvalidInput,
         camera + " has fewer than the 4 distortion coefficients of " + name + " in its CameraInfo");
+    RequireNoMore(info, 4, camera);
     return KannalaBrandtProjection{.fx = f.fx,
                                    .fy = f.fy,
                                    .cx = f.cx,

@@ -2,10 +2,10 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/calibration/rig_fields.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/rig.h"
-#include "core/rig_fields.h"
 
 namespace parkade {
 namespace {

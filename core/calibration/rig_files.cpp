@@ -1,4 +1,4 @@
-#include "core/rig_files.h"
+#include "core/calibration/rig_files.h"
 
 #include <algorithm>
 #include <array>
@@ -34,25 +34,36 @@ bool IsCalled(std::string_view file, const NameOfKind& kind) {
          file.starts_with(std::string(kind.name) + "-");
 }
 
+/// The only one of the names that is called so; empty where there is none.
+template <typename IsCalled>
+std::string OnlyOne(const std::vector<std::string>& names, const IsCalled& is_called) {
+  std::vector<std::string> found;
+  std::copy_if(names.begin(), names.end(), std::back_inserter(found), is_called);
+  std::sort(found.begin(), found.end());
+  if (found.size() > 1)
+    throw Error(ErrorCode::kInvalidInput, "the rig holds several files of one kind, '" +
+                                              found.front() + "' and '" + found.back() +
+                                              "': keep one of them");
+  return found.empty() ? "" : found.front();
+}
+
 std::string FindOne(const std::vector<std::string>& names, std::span<const NameOfKind> kinds) {
-  for (const NameOfKind& kind : kinds) {
-    std::vector<std::string> found;
-    std::copy_if(names.begin(), names.end(), std::back_inserter(found),
-                 [&](const std::string& name) { return IsCalled(name, kind); });
-    std::sort(found.begin(), found.end());
-    if (found.size() > 1)
-      throw Error(ErrorCode::kInvalidInput, "the rig holds several files of one kind, '" +
-                                                found.front() + "' and '" + found.back() +
-                                                "': keep one of them");
-    if (!found.empty()) return found.front();
-  }
+  for (const NameOfKind& kind : kinds)
+    if (const std::string found =
+            OnlyOne(names, [&](const std::string& name) { return IsCalled(name, kind); });
+        !found.empty())
+      return found;
   return "";
+}
+
+bool IsOfBasalt(const std::string& name) {
+  return name == kBasaltFile || (name.ends_with("_calib.json") && !name.starts_with('.'));
 }
 
 }  // namespace
 
 RigFileNames FindRigFiles(const std::vector<std::string>& names) {
-  return {FindOne(names, kChains), FindOne(names, kImus)};
+  return {FindOne(names, kChains), FindOne(names, kImus), OnlyOne(names, IsOfBasalt)};
 }
 
 }  // namespace parkade

@@ -1,4 +1,4 @@
-#include "core/rig_fields.h"
+#include "core/calibration/rig_fields.h"
 
 #include <algorithm>
 

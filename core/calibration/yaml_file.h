@@ -13,12 +13,13 @@
 namespace parkade {
 
 /// A node of a YAML file that knows where it is, so that every error names file and key in one
-/// sentence. Private to core/rig_*.cpp. All functions throw Error{kInvalidInput}.
+/// sentence. Private to core/calibration. All functions throw Error{kInvalidInput}.
 class YamlNode {  // NOLINT(bugprone-exception-escape): a copy of yaml-cpp's node may throw
  public:
   YamlNode(const YAML::Node& node, std::string where) : node_(node), where_(std::move(where)) {}
 
   bool IsMap() const { return node_.IsMap(); }
+  bool IsList() const { return node_.IsSequence(); }
   bool Has(const std::string& key) const;
   YamlNode At(const std::string& key) const;
 
@@ -26,6 +27,10 @@ class YamlNode {  // NOLINT(bugprone-exception-escape): a copy of yaml-cpp's nod
   double Number() const;
   int Integer() const;
   std::vector<double> Numbers() const;
+  /// The elements of a list, each at "key[index]".
+  std::vector<YamlNode> Items() const;
+  /// This map with the entries of another.
+  YamlNode With(const YAML::Node& entries) const;
 
   /// A 4 x 4 matrix as nested lists, a flat list of 16, or an OpenCV matrix.
   Rigid3 Motion() const;

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "core/calibration/yaml_file.h"
 #include "core/field_map.h"
-#include "core/yaml_file.h"
 
 namespace parkade {
 

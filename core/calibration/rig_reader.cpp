@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/calibration/basalt_rig.h"
+#include "core/calibration/ocam_file.h"
+#include "core/calibration/rig_fields.h"
+#include "core/calibration/rig_files.h"
+#include "core/calibration/yaml_file.h"
 #include "core/error.h"
 #include "core/rig.h"
-#include "core/rig_fields.h"
-#include "core/rig_files.h"
-#include "core/yaml_file.h"
 
 namespace parkade {
 namespace {
@@ -41,8 +43,17 @@ std::vector<double> NumbersAt(const YamlNode& node, const std::string& key,
   return numbers;
 }
 
+/// Of OpenCV's longer models nothing may be cut off: beyond k3 all must be 0.
 RadTanDistortion ReadRadTan(const YamlNode& camera) {
-  std::vector<double> k = NumbersAt(camera, "distortion_coeffs", {4, 5});
+  std::vector<double> k = NumbersAt(camera, "distortion_coeffs", {4, 5, 8, 12, 14});
+  for (std::size_t i = 5; i < k.size(); ++i)
+    Require(k[i] == 0, ErrorCode::kInvalidInput,
+            camera.where() + ".distortion_coeffs are of OpenCV's " +
+                (i < 8    ? "rational model"
+                 : i < 12 ? "thin prism model"
+                          : "tilted sensor model") +
+                ", which Parkade does not know: calibrate with radtan (4 or 5 coefficients) or "
+                "equidistant");
   k.resize(5, 0.0);
   return {.k1 = k[0], .k2 = k[1], .p1 = k[2], .p2 = k[3], .k3 = k[4]};
 }
@@ -144,20 +155,36 @@ CameraModel ReadModel(const YamlNode& camera) {
   }
 }
 
-cv::Mat ReadMask(const YamlNode& camera, const path& folder) {
-  if (!camera.Has("mask")) return {};
-  const YamlNode node = camera.At("mask");
+/// The file that a key names, in the rig's folder.
+path FileAt(const YamlNode& node, const path& folder) {
   const path relative = node.Text();
   const bool leaves_folder =
       relative.is_absolute() || relative.lexically_normal().string().starts_with("..");
   Require(!leaves_folder, ErrorCode::kInvalidInput,
           node.where() + " must lie inside the rig's folder");
+  return folder / relative;
+}
+
+cv::Mat ReadMask(const YamlNode& camera, const path& folder) {
+  if (!camera.Has("mask")) return {};
+  const YamlNode node = camera.At("mask");
+  const path file = FileAt(node, folder);
   cv::Mat mask;
-  if (std::filesystem::is_regular_file(folder / relative))
-    mask = cv::imread((folder / relative).string(), cv::IMREAD_GRAYSCALE);
+  if (std::filesystem::is_regular_file(file))
+    mask = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
   Require(!mask.empty(), ErrorCode::kInvalidInput,
-          node.where() + ": '" + relative.string() + "' is not a readable image");
+          node.where() + ": '" + node.Text() + "' is not a readable image");
   return mask;
+}
+
+/// The camera with the lens in the file of another tool that it may name.
+YamlNode WithLensFile(const YamlNode& camera, const path& folder) {
+  if (!camera.Has("ocam_file")) return camera;
+  const YamlNode node = camera.At("ocam_file");
+  const path file = FileAt(node, folder);
+  Require(std::filesystem::is_regular_file(file), ErrorCode::kInvalidInput,
+          node.where() + ": the rig has no file '" + node.Text() + "'");
+  return camera.With(ReadOcamFile(file));
 }
 
 /// "cam0" ... "camN" in the order of their numbers.
@@ -213,7 +240,7 @@ VehicleCalibration ReadVehicle(const YamlNode& vehicle) {
 }
 
 /// \param imu    nothing: the rig has cameras alone
-/// \param masks  the folder that masks lie in
+/// \param masks  the folder that masks and lens files lie in
 Rig MakeRig(const std::optional<YamlNode>& imu, const std::optional<YamlNode>& vehicle,
             const YamlNode& chain, const path& masks) {
   Rig rig;
@@ -224,7 +251,7 @@ Rig MakeRig(const std::optional<YamlNode>& imu, const std::optional<YamlNode>& v
   }
   std::optional<Rigid3> previous_from_imu;
   for (const std::string& name : CameraNames(chain)) {
-    const YamlNode node = chain.At(name);
+    const YamlNode node = WithLensFile(chain.At(name), masks);
     const Rigid3 camera_from_imu = ReadCameraFromImu(node, previous_from_imu);
     rig.cameras.push_back({.name = name,
                            .topic = TextOr(node, "rostopic", ""),
@@ -247,10 +274,16 @@ Rig MakeRig(const std::optional<YamlNode>& imu, const std::optional<YamlNode>& v
 Rig ReadFolder(const path& folder, bool needs_imu) {
   Require(std::filesystem::is_directory(folder), ErrorCode::kInvalidInput,
           "the rig '" + folder.string() + "' is not a folder");
-  const auto [chain, imu] = FindRigFiles(NamesIn(folder));
+  const auto [chain, imu, basalt] = FindRigFiles(NamesIn(folder));
   std::optional<YamlNode> imu_node, vehicle;
-  if (needs_imu || !imu.empty()) imu_node = ReadYaml(folder / (imu.empty() ? kImuFile : imu));
+  const bool has_imu_elsewhere = chain.empty() && !basalt.empty();
+  if ((needs_imu && !has_imu_elsewhere) || !imu.empty())
+    imu_node = ReadYaml(folder / (imu.empty() ? kImuFile : imu));
   if (std::filesystem::exists(folder / "vehicle.yaml")) vehicle = ReadYaml(folder / "vehicle.yaml");
+  if (chain.empty() && !basalt.empty()) {
+    const KalibrNodes nodes = FromBasalt(ReadYaml(folder / basalt));
+    return MakeRig(imu.empty() ? nodes.imu : imu_node, vehicle, nodes.chain, folder);
+  }
   return MakeRig(imu_node, vehicle, ReadYaml(folder / (chain.empty() ? kCameraChainFile : chain)),
                  folder);
 }

@@ -1,4 +1,4 @@
-#include "core/yaml_file.h"
+#include "core/calibration/yaml_file.h"
 
 #include <utility>
 
@@ -22,7 +22,8 @@ bool YamlNode::Has(const std::string& key) const {
 
 YamlNode YamlNode::At(const std::string& key) const {
   if (!Has(key)) Fail(where_ + " has no '" + key + "'");
-  return {node_[key], where_ + (where_.ends_with(".yaml") ? ": " : ".") + key};
+  return {node_[key],
+          where_ + (where_.ends_with(".yaml") || where_.ends_with(".json") ? ": " : ".") + key};
 }
 
 std::string YamlNode::Text() const {
@@ -50,6 +51,20 @@ std::vector<double> YamlNode::Numbers() const {
   std::vector<double> numbers;
   for (const YAML::Node& item : node_) numbers.push_back(YamlNode(item, where_).Number());
   return numbers;
+}
+
+std::vector<YamlNode> YamlNode::Items() const {
+  if (!node_.IsSequence()) Fail(where_ + " must be a list");
+  std::vector<YamlNode> items;
+  for (const YAML::Node& item : node_)
+    items.emplace_back(item, where_ + "[" + std::to_string(items.size()) + "]");
+  return items;
+}
+
+YamlNode YamlNode::With(const YAML::Node& entries) const {
+  YAML::Node all = YAML::Clone(node_);
+  for (const auto& entry : entries) all[entry.first] = entry.second;
+  return {all, where_};
 }
 
 Rigid3 YamlNode::Motion() const {
