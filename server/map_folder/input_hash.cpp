@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/sha256.h"
+#include "server/ingest/files/merge_wal.h"
 
 namespace parkade {
 namespace {
@@ -41,21 +42,28 @@ std::map<std::string, fs::path> FilesIn(const fs::path& folder, const fs::path& 
   return files;
 }
 
-}  // namespace
-
-InputHash HashInput(const fs::path& path, const fs::path& left_out) {
-  const fs::path plain = path.has_filename() ? path : path.parent_path();  // "folder/"
-  if (!fs::is_directory(plain)) return HashFile(plain);
-  const std::map<std::string, fs::path> files = FilesIn(plain, left_out);
-  InputHash result{plain.filename().string(), 0, ""};
+/// Of files by their names.
+InputHash HashFiles(const std::string& name, const std::map<std::string, fs::path>& files) {
+  InputHash result{name, 0, ""};
   Sha256 manifest;
-  for (const auto& [name, file] : files) {
+  for (const auto& [file_name, file] : files) {
     const InputHash hash = HashFile(file);
-    manifest.Add(hash.sha256 + " " + std::to_string(hash.bytes) + " " + name + "\n");
+    manifest.Add(hash.sha256 + " " + std::to_string(hash.bytes) + " " + file_name + "\n");
     result.bytes += hash.bytes;
   }
   result.sha256 = manifest.Finish();
   return result;
+}
+
+}  // namespace
+
+InputHash HashInput(const fs::path& path, const fs::path& left_out) {
+  const fs::path plain = path.has_filename() ? path : path.parent_path();  // "folder/"
+  const std::string name = plain.filename().string();
+  if (fs::is_directory(plain)) return HashFiles(name, FilesIn(plain, left_out));
+  if (!HasWal(plain)) return HashFile(plain);
+  const std::string wal = NameOfWal(plain);
+  return HashFiles(name, {{name, plain}, {wal, plain.parent_path() / wal}});
 }
 
 }  // namespace parkade

@@ -6,12 +6,12 @@
 
 namespace parkade {
 
-/// Identifies an input that a map was made from: a file, or a folder with all that is in it.
+/// Identifies an input that a map was made from: a file, a database with the write-ahead log beside
+/// it, or a folder with all that is in it.
 struct InputHash {
   std::string name;  ///< the last part of the path
   std::int64_t bytes = 0;
-  std::string
-      sha256;  ///< of a folder: of the lines "SHA256 BYTES NAME" of its files, sorted by name
+  std::string sha256;  ///< of several files: of lines "SHA256 BYTES NAME" of each, sorted by name
 };
 
 /// Reads everything once. Folders that cannot be opened count as empty.

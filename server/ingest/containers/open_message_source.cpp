@@ -21,6 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kNoLog = "neither a ROS 1 bag, nor MCAP, nor rosbag2";
+
 enum class LogKind { kNone, kOldBag, kBag, kMcap, kSqlite, kZstd };
 
 /// Recognizes a file by its first bytes.
@@ -85,8 +87,26 @@ std::unique_ptr<MessageSource> OpenAs(LogKind kind, const fs::path& path,
     }
     case LogKind::kNone: break;
   }
-  throw Error(ErrorCode::kInvalidInput,
-              name + " is not a drive log: neither a ROS 1 bag, nor MCAP, nor rosbag2");
+  throw Error(ErrorCode::kInvalidInput, name + " is not a drive log: " + kNoLog);
+}
+
+/// "'a', 'b' and 3 others".
+std::string Quote(const std::vector<std::string>& names) {
+  constexpr std::size_t kMaxNames = 3;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(names.size(), kMaxNames); ++i)
+    list.append(i == 0 ? "'" : i + 1 < names.size() ? ", '" : " and '").append(names[i] + "'");
+  if (names.size() <= kMaxNames) return list;
+  return list + " and " + std::to_string(names.size() - kMaxNames) + " others";
+}
+
+/// By the files, which the user knows: a set of files that was uploaded lies in a folder of ours.
+[[noreturn]] void ThrowNoLog(const fs::path& folder, const std::vector<std::string>& names) {
+  const std::string what = names.empty() ? "'" + folder.filename().string() + "' holds no drive log"
+                           : names.size() == 1
+                               ? Quote(names) + " is not a drive log: " + kNoLog
+                               : "none of the files " + Quote(names) + " is a drive log: " + kNoLog;
+  throw Error(ErrorCode::kInvalidInput, what);
 }
 
 /// The files that metadata.yaml names, without their folders; empty where there is none that can be
@@ -141,11 +161,10 @@ std::unique_ptr<MessageSource> OpenFolder(const fs::path& folder, const fs::path
     parts.push_back(OpenAs(kind, folder / name, scratch_folder));
     formats.insert(parts.back()->format());
   }
-  const std::string name = "'" + folder.filename().string() + "'";
-  Require(!parts.empty(), ErrorCode::kInvalidInput, name + " holds no drive log");
+  if (parts.empty()) ThrowNoLog(folder, names);
   Require(formats.size() == 1, ErrorCode::kInvalidInput,
-          name + " holds logs of several formats (" + *formats.begin() + ", " + *formats.rbegin() +
-              "): choose a file");
+          "the files " + Quote(names) + " are logs of several formats (" + *formats.begin() + ", " +
+              *formats.rbegin() + "): choose one of them");
   return JoinSources(std::move(parts), missing);
 }
 

@@ -33,6 +33,22 @@ TEST(InputHash, OfAFolderIsThatOfAllItsFilesByName) {
   EXPECT_NE(HashInput(folder).sha256, hash.sha256);
 }
 
+TEST(InputHash, OfADatabaseCountsTheRowsInItsWriteAheadLog) {
+  TemporaryRoot root;
+  const auto file = root.path() / "a.db3";
+  WriteText(file, "abc");
+  WriteText(root.path() / "a.db3-wal", "");
+  EXPECT_EQ(HashInput(file).sha256, Sha256Of("abc")) << "no row";
+
+  const std::string rows(40, 'w');
+  WriteText(root.path() / "a.db3-wal", rows);
+  const InputHash hash = HashInput(file);
+  EXPECT_EQ(hash.name, "a.db3");
+  EXPECT_EQ(hash.bytes, 43);
+  EXPECT_EQ(hash.sha256,
+            Sha256Of(Sha256Of("abc") + " 3 a.db3\n" + Sha256Of(rows) + " 40 a.db3-wal\n"));
+}
+
 TEST(InputHash, OfAFolderDoesNotCountTheMapThatIsMadeInIt) {
   TemporaryRoot root;
   const auto folder = root.path() / "drive";

@@ -147,7 +147,8 @@ TEST_F(LogArchives, WithoutOneDriveAreRefusedWithASentence) {
   EXPECT_EQ(ErrorOf({{"a (1).bag", "x"}}),
             "drive.zip holds 'a (1).bag': the name of a log file is at most 128 letters, digits, "
             "dots, dashes and underscores");
-  EXPECT_EQ(ErrorOf({{"a.bag", "nothing of the kind"}}), "'drive.zip' holds no drive log");
+  EXPECT_EQ(ErrorOf({{"a.bag", "nothing of the kind"}}),
+            "'a.bag' is not a drive log: neither a ROS 1 bag, nor MCAP, nor rosbag2");
 }
 
 TEST_F(LogArchives, WriteNothingOutside) {

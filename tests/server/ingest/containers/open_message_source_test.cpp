@@ -78,6 +78,10 @@ TEST_F(OpenMessageSourceTest, OtherFilesAreRefusedByName) {
   EXPECT_NE(ErrorOf(folder_ / "nothing").find("nothing"), std::string::npos);
   fs::create_directories(scratch_);
   EXPECT_NE(ErrorOf(scratch_).find("holds no drive log"), std::string::npos);
+  for (const char* name : {"a", "b", "c", "d", "e"}) std::ofstream(scratch_ / name) << "no log";
+  EXPECT_EQ(ErrorOf(scratch_),
+            "none of the files 'a', 'b', 'c' and 2 others is a drive log: neither a ROS 1 bag, nor "
+            "MCAP, nor rosbag2");
 }
 
 TEST_F(OpenMessageSourceTest, SplitFilesAreOneLogInOrderOfTime) {
