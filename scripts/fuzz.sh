@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Feeds what comes from outside with damaged bytes (libFuzzer, ASan); fails on a crash, a leak or a hang.
 #   scripts/fuzz.sh [--seconds S] [--runs N] [NAME...]   for each fuzzer: default 60 s, at most N runs
-# Fuzzers (tests/fuzz): log (any kind), bag, mcap; cdr (messages), video, rig; head, range, tus, json (requests).
+# Fuzzers (tests/fuzz): log (any kind), bag, mcap; cdr (messages), schemas, video, rig; head, range, tus, json (requests).
 # Begins with small logs and requests, and with what earlier runs found (build/fuzz/corpus/NAME). An
 # input that fails stays in build/fuzz.
 set -euo pipefail
@@ -16,7 +16,7 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
-if [ ${#names[@]} -eq 0 ]; then names=(log bag mcap cdr rig video head range tus json); fi
+if [ ${#names[@]} -eq 0 ]; then names=(log bag mcap cdr schemas rig video head range tus json); fi
 
 folder=build/fuzz
 mkdir -p "$folder"
@@ -35,6 +35,12 @@ seed() {
     range) printf 'bytes=0-99' > "$corpus/seed" ;;
     tus) printf 'filename YS5iYWc=,site bG90' > "$corpus/seed" ;;
     json) printf '{"a": ["b", 1.5, null], "b": true, "point": [1, 2, 3]}' > "$corpus/seed" ;;
+    schemas)
+      printf '\0\24\0float64 x\nstring[] y\0\1\0\0\0\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0a\0' > "$corpus/msg"
+      printf '\0\75\0module p { struct T { sequence<double> x; wstring<8> y; }; };\0\1\0\0\1\0\0\0\0\0\0\0' > "$corpus/idl"
+      printf '\1\12\0float64 x\n\0\0\0\0\0\0\0\0' > "$corpus/msg1"
+      printf '\2\44\0\n\42\n\1t\22\1p\42\32\n\1T\22\25\n\4data\30\1\40\1\50\1a\0' > "$corpus/proto"
+      printf '\3\0\0{"timestamp": {"sec": 1}, "data": "AA==", "K": [1], "transforms": [{}], "velocity": [1], "name": ["a"]}' > "$corpus/json" ;;
     rig) cp tests/fuzz/rig.yaml "$corpus/seed" ;;
     *) printf '\0\1\0\0' > "$corpus/seed" ;;
   esac
