@@ -5,6 +5,7 @@
 #include "server/ingest/drive/open_drive_log.h"
 #include "server/ingest/messages/image_decoding.h"
 #include "server/ingest/messages/message_decoding.h"
+#include "server/ingest/schemas/mapped_source.h"
 #include "server/ingest/schemas/translated_source.h"
 #include "server/ingest/video/encoded_image.h"
 
@@ -140,16 +141,22 @@ std::uint64_t NumGood(const LogInspection& inspection,
   return count;
 }
 
-/// Whether a rig that fits finds the IMU in messages of any type.
-bool IsImuMapped(const LogInspection& inspection) {
-  const std::optional<Rig>& rig = inspection.rig;
-  return rig && rig->vehicle && !rig->vehicle->fields.imu.empty();
+/// The log with what the rig's field map finds in it; as it is where that does not fit, which
+/// opening the drive says.
+std::shared_ptr<const MessageSource> WithMappedTopics(
+    const std::shared_ptr<const MessageSource>& source, const fs::path& rig_folder) {
+  if (rig_folder.empty()) return source;
+  try {
+    Rig rig = ReadRig(rig_folder);
+    return MapFields(source, rig);
+  } catch (const Error&) {
+    return source;
+  }
 }
 
 LogState StateOf(const LogInspection& inspection, bool is_rig_given) {
-  const bool has_imu = IsImuMapped(inspection) || NumGood(inspection, [](const std::string& type) {
-                                                    return type == "sensor_msgs/Imu";
-                                                  }) > 0;
+  const bool has_imu =
+      NumGood(inspection, [](const std::string& type) { return type == "sensor_msgs/Imu"; }) > 0;
   const bool has_images = NumGood(inspection, IsImageType) > 0;
   if (!has_imu || !has_images || (is_rig_given && !inspection.missing.empty()))
     return LogState::kUnusable;
@@ -187,7 +194,7 @@ LogInspection InspectLog(const fs::path& log, const fs::path& rig_folder,
   inspection.name = log.filename().string();
   inspection.format = source->format();
   inspection.num_bytes = SizeOf(log);
-  InspectTopics(*source, inspection);
+  InspectTopics(*WithMappedTopics(source, rig_folder), inspection);
   for (const TopicInspection& topic : inspection.topics) {
     if (topic.span.IsEmpty()) continue;
     inspection.span.Include(topic.span.begin);

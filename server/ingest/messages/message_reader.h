@@ -54,13 +54,16 @@ class Ros1Reader {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
 
-  std::span<const std::uint8_t> ReadBytes() {
-    const auto size = Read<std::uint32_t>();
+  std::span<const std::uint8_t> ReadBytes() { return ReadBytes(Read<std::uint32_t>()); }
+
+  std::span<const std::uint8_t> ReadBytes(std::size_t size) {
     internal::RequireBytes(size, data_.size());
     const auto bytes = data_.first(size);
     data_ = data_.subspan(size);
     return bytes;
   }
+
+  void SkipWideString() { ReadBytes(); }
 
   /// The number of elements that follow; at least `min_element_size` bytes each must be left.
   std::size_t ReadCount(std::size_t min_element_size) {
@@ -109,12 +112,25 @@ class CdrReader {
     return text;
   }
 
-  std::span<const std::uint8_t> ReadBytes() {
-    const auto size = Read<std::uint32_t>();
+  std::span<const std::uint8_t> ReadBytes() { return ReadBytes(Read<std::uint32_t>()); }
+
+  std::span<const std::uint8_t> ReadBytes(std::size_t size) {
     internal::RequireBytes(size, data_.size() - position_);
     const auto bytes = data_.subspan(position_, size);
     position_ += size;
     return bytes;
+  }
+
+  /// Passes over a wstring. Its characters have four bytes, since Fast CDR 2 two: nobody says
+  /// which, but two of them are hardly one of Unicode's.
+  void SkipWideString() {
+    constexpr std::uint32_t kLastOfUnicode = 0x10ffff;
+    const std::size_t count = Read<std::uint32_t>();
+    CdrReader wide = *this;
+    bool is_wide = 4 * count <= data_.size() - position_;
+    for (std::size_t i = 0; is_wide && i < count; ++i)
+      is_wide = wide.Read<std::uint32_t>() <= kLastOfUnicode;
+    ReadBytes((is_wide ? 4 : 2) * count);
   }
 
   std::size_t ReadCount(std::size_t min_element_size) {

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "server/ingest/schemas/cdr_writer.h"
 #include "server/ingest/schemas/message_path.h"
+#include "server/ingest/writing/cdr_writer.h"
 
 namespace parkade {
 namespace {
@@ -38,10 +38,19 @@ std::vector<std::uint8_t> RawImage(const MessageTree& message) {
   return writer.Bytes(BytesAt(message, "data")).Take();
 }
 
+/// The numbers of a field; ROS 2 knows no capital letters.
+std::vector<double> EitherNumbersAt(const MessageTree& message, const std::string& field) {
+  std::vector<double> numbers = NumbersAt(message, field);
+  if (!numbers.empty()) return numbers;
+  std::string small = field;
+  small.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(small.front())));
+  return NumbersAt(message, small);
+}
+
 /// The numbers of a matrix, zeros where it is left out.
 template <std::size_t kCount>
 std::array<double, kCount> MatrixAt(const MessageTree& message, const std::string& field) {
-  const std::vector<double> numbers = NumbersAt(message, field);
+  const std::vector<double> numbers = EitherNumbersAt(message, field);
   Require(numbers.empty() || numbers.size() == kCount, ErrorCode::kInvalidInput,
           "the matrix " + field + " has " + std::to_string(numbers.size()) + " numbers");
   std::array<double, kCount> matrix{};
@@ -54,7 +63,7 @@ std::vector<std::uint8_t> CameraCalibration(const MessageTree& message) {
   writer.Put(WholeAt<std::uint32_t>(message, "height"));
   writer.Put(WholeAt<std::uint32_t>(message, "width"));
   writer.Text(TextAt(message, "distortion_model"));
-  const std::vector<double> distortion = NumbersAt(message, "D");
+  const std::vector<double> distortion = EitherNumbersAt(message, "D");
   writer.Put(static_cast<std::uint32_t>(distortion.size())).Doubles(distortion);
   writer.Doubles(MatrixAt<9>(message, "K")).Doubles(MatrixAt<9>(message, "R"));
   writer.Doubles(MatrixAt<12>(message, "P"));
@@ -99,19 +108,23 @@ struct FoxgloveType {
 };
 
 constexpr FoxgloveType kTypes[] = {
-    {"foxglove.CompressedImage", "sensor_msgs/CompressedImage", CompressedImage},
-    {"foxglove.CompressedVideo", "sensor_msgs/CompressedImage", CompressedImage},
-    {"foxglove.RawImage", "sensor_msgs/Image", RawImage},
-    {"foxglove.CameraCalibration", "sensor_msgs/CameraInfo", CameraCalibration},
-    {"foxglove.FrameTransform", "tf2_msgs/TFMessage",
+    {"CompressedImage", "sensor_msgs/CompressedImage", CompressedImage},
+    {"CompressedVideo", "sensor_msgs/CompressedImage", CompressedImage},
+    {"RawImage", "sensor_msgs/Image", RawImage},
+    {"CameraCalibration", "sensor_msgs/CameraInfo", CameraCalibration},
+    {"FrameTransform", "tf2_msgs/TFMessage",
      [](const MessageTree& message) { return Transforms({message}); }},
-    {"foxglove.FrameTransforms", "tf2_msgs/TFMessage", FrameTransforms},
-    {"foxglove.LocationFix", "sensor_msgs/NavSatFix", LocationFix},
+    {"FrameTransforms", "tf2_msgs/TFMessage", FrameTransforms},
+    {"LocationFix", "sensor_msgs/NavSatFix", LocationFix},
 };
 
-const FoxgloveType* FindType(const std::string& name) {
-  for (const FoxgloveType& type : kTypes)
-    if (type.name == name) return &type;
+const FoxgloveType* FindType(std::string_view name) {
+  for (const std::string_view package : {"foxglove.", "foxglove_msgs/"}) {
+    if (!name.starts_with(package)) continue;
+    name.remove_prefix(package.size());
+    for (const FoxgloveType& type : kTypes)
+      if (type.name == name) return &type;
+  }
   return nullptr;
 }
 

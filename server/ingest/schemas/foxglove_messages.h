@@ -8,10 +8,10 @@
 
 namespace parkade {
 
-// Foxglove's types (docs.foxglove.dev, "Message schemas"), which logs hold as protobuf or JSON, as
-// the ROS messages that say the same.
+// Foxglove's types (docs.foxglove.dev, "Message schemas"), which logs hold as protobuf, JSON or ROS
+// messages of their own, as the ROS messages that say the same.
 
-/// The ROS type for "foxglove.RawImage" and the like; empty for others.
+/// The ROS type for "foxglove.RawImage", "foxglove_msgs/RawImage" and the like; empty for others.
 std::string RosTypeFor(const std::string& type);
 
 /// The ROS message in CDR. `type` is one of those that RosTypeFor knows. A stamp that is missing

@@ -122,13 +122,44 @@ class MappedStream : public MessageStream {
   std::unique_ptr<MessageStream> stream_;
 };
 
+/// What messages have at a path where they lack what is wanted, for a person.
+class WhatThereIs {
+ public:
+  void Include(const std::string& topic, const MessageTree& tree, const FieldSignals& signals) {
+    last_[topic] = tree;
+    for (const auto& [name, signal] : signals) {
+      if (!topic.ends_with(signal.topic)) continue;
+      for (const std::string& other : MessagePath(signal.path).NamesInstead(tree))
+        if (names_[name].size() < kMaxNames) names_[name].insert(other);
+    }
+  }
+
+  std::string Describe(const std::string& name, const FieldSignal& signal) const {
+    if (const auto names = names_.find(name); names != names_.end() && !names->second.empty()) {
+      std::string list;
+      for (const std::string& other : names->second)
+        list.append(list.empty() ? "" : ", ").append(other);
+      return "the names " + list;
+    }
+    for (const auto& [topic, tree] : last_)
+      if (topic.ends_with(signal.topic)) return "numbers at " + ListNumbers(tree);
+    return "no message that can be read";
+  }
+
+ private:
+  static constexpr std::size_t kMaxNames = 40;
+
+  std::map<std::string, MessageTree> last_;             ///< by topic
+  std::map<std::string, std::set<std::string>> names_;  ///< by signal
+};
+
 /// Reads messages of a sensor's topics until each of its signals was found.
 void RequireFields(const MessageSource& source, const MappedSensor& sensor, const FieldPlan& plan) {
   constexpr int kMaxMessages = 1000;
   SignalReader reader(sensor.signals, plan.topics);
   std::vector<bool> wanted(plan.topics.size(), false);
   for (const int topic : reader.topics()) wanted[static_cast<std::size_t>(topic)] = true;
-  std::map<std::string, MessageTree> last;
+  WhatThereIs there_is;
   const auto stream = source.Read(wanted);
   for (int i = 0; i < kMaxMessages && !reader.Missing().empty(); ++i) {
     const std::optional<RawMessage> message = stream->Next();
@@ -136,7 +167,8 @@ void RequireFields(const MessageSource& source, const MappedSensor& sensor, cons
     try {
       const MessageTree tree = plan.schemas.at(message->topic)->Decode(message->data);
       reader.Take(message->topic, tree);
-      last[plan.topics[static_cast<std::size_t>(message->topic)].topic] = tree;
+      there_is.Include(plan.topics[static_cast<std::size_t>(message->topic)].topic, tree,
+                       sensor.signals);
     } catch (const Error&) {
       continue;  // the survey counts what is damaged
     }
@@ -144,12 +176,10 @@ void RequireFields(const MessageSource& source, const MappedSensor& sensor, cons
   const std::vector<std::string> missing = reader.Missing();
   if (missing.empty()) return;
   const FieldSignal& signal = sensor.signals.at(missing.front());
-  std::string known = "no message that can be read";
-  for (const auto& [topic, tree] : last)
-    if (topic.ends_with(signal.topic)) known = std::string("numbers at ").append(ListNumbers(tree));
   throw Error(ErrorCode::kInvalidInput, "the field map of vehicle.yaml wants '" + missing.front() +
                                             "' at '" + signal.path + "' of " + signal.topic +
-                                            ", which has " + known);
+                                            ", which has " +
+                                            there_is.Describe(missing.front(), signal));
 }
 
 class MappedSource : public MessageSource {

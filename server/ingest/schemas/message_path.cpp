@@ -32,14 +32,23 @@ bool IsText(const MessageTree* value, const std::string& text) {
   return value != nullptr && value->is_string() && value->get_ref<const std::string&>() == text;
 }
 
-/// Where a name stands: among the names beside an array, or within its elements.
-std::optional<std::size_t> IndexOf(const std::string& key, const std::string& wanted,
-                                   const MessageTree& array, const MessageTree& parent) {
+/// The names of an array's elements: beside it, or within each.
+std::vector<const MessageTree*> NamesOf(const std::string& key, const MessageTree& array,
+                                        const MessageTree& parent) {
   const MessageTree* names = FieldOf(parent, key);
   const bool are_beside = names != nullptr && names->is_array();
   const MessageTree& searched = are_beside ? *names : array;
+  std::vector<const MessageTree*> found;
   for (std::size_t i = 0; searched.is_array() && i < searched.size(); ++i)
-    if (IsText(are_beside ? &searched[i] : FieldOf(searched[i], key), wanted)) return i;
+    found.push_back(are_beside ? &searched[i] : FieldOf(searched[i], key));
+  return found;
+}
+
+/// The index of the element with a name.
+std::optional<std::size_t> IndexOf(const std::string& wanted,
+                                   const std::vector<const MessageTree*>& names) {
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (IsText(names[i], wanted)) return i;
   return std::nullopt;
 }
 
@@ -138,9 +147,9 @@ std::optional<double> MessagePath::Number(const MessageTree& message) const {
       if (value == nullptr) return std::nullopt;
       continue;
     }
-    const std::optional<std::size_t> index = step.key.empty()
-                                                 ? std::optional(step.index)
-                                                 : IndexOf(step.key, step.wanted, *value, *parent);
+    const std::optional<std::size_t> index =
+        step.key.empty() ? std::optional(step.index)
+                         : IndexOf(step.wanted, NamesOf(step.key, *value, *parent));
     if (!index) return std::nullopt;
     if (value->is_binary()) {
       const auto& bytes = value->get_binary();
@@ -151,6 +160,32 @@ std::optional<double> MessagePath::Number(const MessageTree& message) const {
     value = &(*value)[*index];
   }
   return NumberOf(*value);
+}
+
+std::vector<std::string> MessagePath::NamesInstead(const MessageTree& message) const {
+  const MessageTree* value = &message;
+  const MessageTree* parent = &message;
+  for (const Step& step : steps_) {
+    if (!step.field.empty()) {
+      parent = value;
+      value = FieldOf(*value, step.field);
+      if (value == nullptr) return {};
+      continue;
+    }
+    std::size_t index = step.index;
+    if (!step.key.empty()) {
+      const std::vector<const MessageTree*> names = NamesOf(step.key, *value, *parent);
+      const std::optional<std::size_t> found = IndexOf(step.wanted, names);
+      std::vector<std::string> texts;
+      for (const MessageTree* name : names)
+        if (name != nullptr && name->is_string()) texts.push_back(name->get<std::string>());
+      if (!found) return texts;
+      index = *found;
+    }
+    if (!value->is_array() || index >= value->size()) return {};
+    value = &(*value)[index];
+  }
+  return {};
 }
 
 std::string ListNumbers(const MessageTree& message) {

@@ -23,6 +23,10 @@ class MessagePath {
   /// element, or no number.
   std::optional<double> Number(const MessageTree& message) const;
 
+  /// The names that there are where the path asks for one that there is not: the joints' of
+  /// `velocity[name=rear_left]`. Empty where it fails otherwise, or not at all.
+  std::vector<std::string> NamesInstead(const MessageTree& message) const;
+
  private:
   struct Step {
     std::string field = "";             ///< empty: an element

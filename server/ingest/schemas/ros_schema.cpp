@@ -1,5 +1,6 @@
 #include "core/error.h"
 #include "server/ingest/messages/message_reader.h"
+#include "server/ingest/schemas/idl_definition.h"
 #include "server/ingest/schemas/message_schema.h"
 #include "server/ingest/schemas/ros_definition.h"
 
@@ -31,16 +32,13 @@ class Walk {
   MessageTree Field(const RosField& field, int depth) {
     if (!field.is_array) return Value(field, depth);
     const std::size_t count = field.length ? *field.length : reader_.ReadCount(0);
-    if (field.type == "uint8" || field.type == "byte" || field.type == "char") return Bytes(count);
+    if (field.type == "uint8" || field.type == "byte" || field.type == "char") {
+      const auto bytes = reader_.ReadBytes(count);
+      return MessageTree::binary({bytes.begin(), bytes.end()});
+    }
     MessageTree elements = MessageTree::array();
     for (std::size_t i = 0; i < count; ++i) elements.push_back(Value(field, depth));
     return elements;
-  }
-
-  MessageTree Bytes(std::size_t count) {
-    std::vector<std::uint8_t> bytes;
-    for (std::size_t i = 0; i < count; ++i) bytes.push_back(reader_.template Read<std::uint8_t>());
-    return MessageTree::binary(std::move(bytes));
   }
 
   MessageTree Value(const RosField& field, int depth) {
@@ -59,6 +57,10 @@ class Walk {
     if (type == "int64") return reader_.template Read<std::int64_t>();
     if (type == "uint64") return reader_.template Read<std::uint64_t>();
     if (type == "string") return std::string(reader_.ReadString());
+    if (type == "wstring") {
+      reader_.SkipWideString();
+      return "";  // texts are names of what Parkade knows
+    }
     return Message(type, depth + 1);
   }
 
@@ -90,9 +92,10 @@ std::shared_ptr<const MessageSchema> ReadRosSchema(const TopicInfo& topic) {
       topic.schema && !topic.schema->empty() ? *topic.schema : KnownRosDefinition(topic.type);
   Require(!text.empty(), ErrorCode::kInvalidInput,
           "the log does not define " + topic.type + ", the type of " + topic.topic);
-  return std::make_shared<const RosSchema>(
-      ReadRosDefinition(text, topic.type, topic.encoding == MessageEncoding::kRos1),
-      topic.encoding);
+  RosDefinition definition =
+      IsIdl(text) ? ReadIdlDefinition(text, topic.type)
+                  : ReadRosDefinition(text, topic.type, topic.encoding == MessageEncoding::kRos1);
+  return std::make_shared<const RosSchema>(std::move(definition), topic.encoding);
 }
 
 }  // namespace parkade

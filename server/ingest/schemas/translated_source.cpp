@@ -4,14 +4,24 @@
 
 #include "core/error.h"
 #include "server/ingest/containers/open_log_source.h"
+#include "server/ingest/messages/message_decoding.h"
 #include "server/ingest/schemas/foxglove_messages.h"
 #include "server/ingest/schemas/message_schema.h"
 
 namespace parkade {
 namespace {
 
-bool IsForeign(const TopicInfo& topic) {
+bool IsInForeignEncoding(const TopicInfo& topic) {
   return topic.encoding == MessageEncoding::kProtobuf || topic.encoding == MessageEncoding::kJson;
+}
+
+/// Whether ROS messages are of a type that has a twin which decoders know.
+bool IsForeignType(const std::string& type) {
+  return type.starts_with("foxglove_msgs/") && !IsImageType(type) && !RosTypeFor(type).empty();
+}
+
+bool IsForeign(const TopicInfo& topic) {
+  return IsInForeignEncoding(topic) || IsForeignType(topic.type);
 }
 
 /// What is done with the messages of one topic.
@@ -44,6 +54,7 @@ TopicTranslation TranslateTopic(TopicInfo& topic) {
     }
   } catch (const Error&) {  // said by its type
   }
+  if (!IsInForeignEncoding(topic)) return {};
   topic.native_type = native_type;
   topic.type += topic.encoding == MessageEncoding::kJson ? " (JSON)" : " (protobuf)";
   return {};

@@ -7,8 +7,9 @@
 
 namespace parkade {
 
-/// The same log with messages of Foxglove's types, in protobuf or JSON, as ROS messages (CDR); the
-/// topic's `native_type` says what they were. Other topics in these two encodings stay as they are,
+/// The same log with messages of Foxglove's types, in protobuf, JSON or as `foxglove_msgs`, as ROS
+/// messages (CDR); the topic's `native_type` says what they were. Other topics in protobuf and JSON
+/// stay as they are,
 /// their type followed by the encoding: "my.Imu (protobuf)". A topic whose schema cannot be read
 /// counts as one of those. A message that does not fit its schema becomes an empty one, which no
 /// decoder takes. The source itself where it has no such topics.

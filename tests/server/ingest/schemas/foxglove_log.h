@@ -12,7 +12,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "tests/support/mcap_writer.h"
+#include "server/ingest/writing/mcap_writer.h"
 
 namespace parkade {
 

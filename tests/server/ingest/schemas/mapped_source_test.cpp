@@ -40,9 +40,9 @@ class MappedSourceTest : public testing::Test {
   }
 
   /// What is said about a field map that does not fit.
-  std::string Refusal(const FieldMap& fields) {
+  std::string Refusal(const FieldMap& fields, double track = 0) {
     try {
-      Open(fields);
+      Open(fields, track);
     } catch (const Error& error) {
       return error.what();
     }
@@ -122,6 +122,87 @@ TEST_F(MappedSourceTest, ABagDefinesItsMessages) {
   log.Close();
 
   ExpectJointSpeeds(Wheels(*Open(JointMap(), 1.5)));
+}
+
+// As rosidl generates it.
+constexpr const char* kJointStateIdl = R"idl(========================
+IDL: sensor_msgs/msg/JointState
+// generated from rosidl_adapter/resource/msg.idl.em
+#include "std_msgs/msg/Header.idl"
+
+module sensor_msgs {
+  module msg {
+    typedef double double__2[2];
+    module JointState_Constants {
+      const int8 KIND = 3;
+    };
+    @verbatim (language="comment", text=
+      "States of joints (" "all of them)")
+    struct JointState {
+      std_msgs::msg::Header header;
+
+      sequence<string> name;
+      @unit (value="rad")
+      sequence<double, 8> position;
+      sequence<double> velocity;
+      double__2 range;
+      unsigned long long count;
+      wstring<20> remark;
+      sequence<double> effort;
+    };
+  };
+};
+
+========================
+IDL: std_msgs/msg/Header
+module std_msgs { module msg { /* as of ROS 2 */ struct Header {
+  builtin_interfaces::msg::Time stamp; string frame_id; }; }; };
+)idl";
+
+TEST_F(MappedSourceTest, ADefinitionMayBeIdlAndATextWide) {
+  for (const bool are_four_bytes : {true, false}) {
+    McapWriter log(file(), "ros2");
+    const int joints =
+        log.AddChannel("/joint_states", "sensor_msgs/msg/JointState", kJointStateIdl, "cdr");
+    MessageWriter writer(MessageEncoding::kCdr);
+    writer.Header((kStart + 0.5).ns, "").Put(std::uint32_t{2});
+    writer.Text("rear_left").Text("rear_right").Put(std::uint32_t{0}).Put(std::uint32_t{2});
+    writer.Doubles({10, 11, -1, 1}).Put(std::uint64_t{7}).Put(std::uint32_t{3});
+    for (const char16_t letter : {u'a', u'ß', u'c'}) {
+      if (are_four_bytes)
+        writer.Put(static_cast<std::uint32_t>(letter));
+      else
+        writer.Put(static_cast<std::uint16_t>(letter));
+    }
+    log.Write(joints, kStart, writer.Put(std::uint32_t{1}).Doubles({42}).Take());
+    log.Close();
+    FieldMap fields = JointMap();
+
+    ExpectJointSpeeds(Wheels(*Open(fields, 1.5)));
+    fields.wheels["speed_left"].path = "effort[0]";
+    EXPECT_NEAR(Wheels(*Open(fields, 1.5)).at(0).forward_speed, 0.15 * (42 + 11), 1e-12);
+    fields.wheels["speed_left"].path = "range[1]";
+    EXPECT_NEAR(Wheels(*Open(fields, 1.5)).at(0).forward_speed, 0.15 * (1 + 11), 1e-12);
+  }
+}
+
+TEST_F(MappedSourceTest, IdlThatCannotBeReadIsRefused) {
+  const auto refusal = [&](const std::string& text) {
+    McapWriter log(file(), "ros2");
+    log.Write(log.AddChannel("/car", "car_msgs/msg/Own", text, "cdr"), kStart,
+              std::vector<std::uint8_t>{0, 1, 0, 0});
+    log.Close();
+    FieldMap fields;
+    fields.gnss["latitude"] = fields.gnss["longitude"] = {"/car", "x"};
+    return Refusal(fields);
+  };
+
+  EXPECT_EQ(refusal("module car_msgs { module msg { union Own"),
+            "the message definition in IDL holds 'union', which is not supported");
+  EXPECT_EQ(refusal("module car_msgs { struct Own { double"),
+            "the message definition in IDL ends too early");
+  EXPECT_EQ(refusal("module car_msgs { struct Other { double x; }; };"),
+            "the message definition in IDL does not define car_msgs/Own");
 }
 
 TEST_F(MappedSourceTest, ASteeredCarTurnsByItsWheelbase) {
@@ -273,6 +354,11 @@ TEST_P(MappedEncodingsTest, ADriveWithoutAnyRosMessageIsRead) {
   EXPECT_EQ(drive->health().streams[1].num_delivered, 40U);
   const LogInspection inspection = InspectLog(file(), folder_ / "rig");
   EXPECT_NE(inspection.state, LogState::kUnusable) << InspectionToText(inspection);
+  const TopicInspection& row = inspection.topics.back();
+  EXPECT_EQ(row.topic, kImuFields);
+  EXPECT_EQ(row.type, "sensor_msgs/Imu");
+  EXPECT_EQ(row.num_messages, 400U);
+  EXPECT_NEAR(row.RateHz(), 100, 1e-3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Encodings, MappedEncodingsTest, testing::Values("protobuf", "json"),
@@ -302,6 +388,20 @@ TEST_F(MappedSourceTest, WhatIsMissingIsNamedWithWhatThereIs) {
   fields.wheels["steering_angle"] = {"/car", "v"};
   EXPECT_EQ(Refusal(fields),
             "the field map of vehicle.yaml needs its 'wheelbase' for the yaw rate");
+}
+
+TEST_F(MappedSourceTest, AJointThatThereIsNotIsToldThoseThatThereAre) {
+  McapWriter log(file(), "ros2");
+  const int joints = log.AddChannel("/joint_states", "sensor_msgs/msg/JointState", "", "cdr");
+  log.Write(joints, kStart, JointStateBytes(MessageEncoding::kCdr, kStart + 0.5, 10, 11));
+  log.Close();
+  FieldMap fields = JointMap();
+  fields.wheels["speed_left"].path = "velocity[name=wheel_left]";
+
+  EXPECT_EQ(Refusal(fields), "the field map of vehicle.yaml needs its 'track' for the yaw rate");
+  EXPECT_EQ(Refusal(fields, 1.5),
+            "the field map of vehicle.yaml wants 'speed_left' at 'velocity[name=wheel_left]' of "
+            "/joint_states, which has the names rear_left, rear_right, steering");
 }
 
 TEST_F(MappedSourceTest, ATypeThatNobodyDefinesIsNamed) {

@@ -151,6 +151,66 @@ TEST_P(TranslatedSourceTest, OtherTypesKeepTheirNames) {
 INSTANTIATE_TEST_SUITE_P(Encodings, TranslatedSourceTest, testing::Values("protobuf", "json"),
                          [](const auto& info) { return std::string(info.param); });
 
+/// A log with one message of foxglove_msgs in ROS 2; without its definition where that is empty.
+RawMessage OnlyOfRos2(const std::string& type, const std::string& definition,
+                      const std::vector<std::uint8_t>& data, TopicInfo& topic) {
+  const std::filesystem::path folder = MakeSchemaFolder();
+  McapWriter log(folder / "drive.mcap", "ros2");
+  log.Write(log.AddChannel("/topic", "foxglove_msgs/msg/" + type, definition, "cdr"), kTime, data);
+  log.Close();
+  const auto source = OpenTranslatedLog(folder / "drive.mcap", {});
+  topic = source->topics().at(0);
+  RawMessage message = source->Read({true})->Next().value();
+  std::filesystem::remove_all(folder);
+  return message;
+}
+
+TEST(TranslateSourceTest, FoxglovesTypesAreReadAsRosMessages) {
+  TopicInfo topic;
+  MessageWriter image(MessageEncoding::kCdr);
+  image.Header(kTime.ns, "camera").Bytes({0xff, 0xd8, 0xff}).Text("jpeg");
+  const RawMessage jpeg = OnlyOfRos2("CompressedImage", "", image.Take(), topic);
+  const CompressedImageMessage decoded =
+      DecodeCompressedImage(jpeg.data, MessageEncoding::kCdr, topic.type);
+
+  EXPECT_EQ(topic.type, "sensor_msgs/CompressedImage");
+  EXPECT_EQ(topic.native_type, "foxglove_msgs/CompressedImage");
+  EXPECT_EQ(decoded.header.stamp, kTime);
+  EXPECT_EQ(decoded.header.frame_id, "camera");
+  EXPECT_EQ(decoded.format, "jpeg");
+  EXPECT_EQ(std::vector(decoded.data.begin(), decoded.data.end()),
+            (std::vector<std::uint8_t>{0xff, 0xd8, 0xff}));
+
+  MessageWriter fix(MessageEncoding::kCdr);
+  fix.Header(kTime.ns, "gps").Doubles({48.1, 11.5, 512, 4, 0, 0, 0, 9, 0, 0, 0, 16});
+  const RawMessage place = OnlyOfRos2("LocationFix", "", fix.Put(std::uint8_t{2}).Take(), topic);
+  const NavSatMessage at = DecodeNavSat(place.data, MessageEncoding::kCdr);
+
+  EXPECT_EQ(topic.type, "sensor_msgs/NavSatFix");
+  EXPECT_EQ(at.latitude_deg, 48.1);
+  EXPECT_EQ(at.covariance[4], 9);
+  EXPECT_EQ(at.covariance_type, 2);
+}
+
+TEST(TranslateSourceTest, Ros2SpellsCalibrationsInSmallLetters) {
+  TopicInfo topic;
+  MessageWriter writer(MessageEncoding::kCdr);
+  writer.Header(kTime.ns, "camera").Put(std::uint32_t{64}).Put(std::uint32_t{48});
+  writer.Text("plumb_bob").Put(std::uint32_t{2}).Doubles({-0.1, 0.01});
+  writer.Doubles({40, 0, 31.5, 0, 41, 23.5, 0, 0, 1});
+  const RawMessage message =
+      OnlyOfRos2("CameraCalibration",
+                 "builtin_interfaces/Time timestamp\nstring frame_id\nuint32 width\nuint32 height\n"
+                 "string distortion_model\nfloat64[] d\nfloat64[9] k\n",
+                 writer.Take(), topic);
+  const CameraInfoMessage info = DecodeCameraInfo(message.data, MessageEncoding::kCdr);
+
+  EXPECT_EQ(topic.type, "sensor_msgs/CameraInfo");
+  EXPECT_EQ(info.width, 64U);
+  EXPECT_EQ(info.distortion, (std::vector<double>{-0.1, 0.01}));
+  EXPECT_EQ(info.intrinsic_matrix[4], 41);
+}
+
 TEST(TranslateSourceTest, ADamagedMessageOrSchemaIsToldApart) {
   const std::filesystem::path folder = MakeSchemaFolder();
   FoxgloveLog log(folder / "drive.mcap", "protobuf");
