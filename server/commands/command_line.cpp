@@ -41,6 +41,7 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddTokenCommand(app, action);
   AddInspectCommand(app, action);
   AddPicturesCommand(app, action);
+  AddConvertCommand(app, action);
   AddExportCommand(app, action);
   AddCompareCommand(app, action);
   AddEvaluateCommand(app, action);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/mcap_writer.h"
+#include "server/ingest/writing/mcap_writer.h"
 #include "tests/support/rosbag1_writer.h"
 
 namespace {

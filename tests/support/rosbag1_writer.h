@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/timestamp.h"
-#include "tests/support/byte_writer.h"
-#include "tests/support/log_compression.h"
+#include "server/ingest/writing/byte_writer.h"
+#include "server/ingest/writing/log_compression.h"
 
 namespace parkade {
 

@@ -39,13 +39,14 @@ const std::vector<FolderRule> kFolderRules = {
      {"core/", "server/store/", "server/jobs/", "server/webhooks/", "server/http/"}},
     {"server/", {"core/", "slam/", "mapping/", "export/", "server/"}},
     {"tests/simulator/tracks/", {"core/", "slam/", "tests/simulator/"}},
-    {"tests/simulator/", {"core/", "tests/support/", "tests/simulator/"}},
+    {"tests/simulator/", {"core/", "server/ingest/writing/", "tests/support/", "tests/simulator/"}},
 };
 
 // The rooms of each folder, from the lowest to the highest: a file includes its own room and those
 // before it.
 const std::vector<std::string> kRooms = {
     "core/",
+    "core/calibration/",
     "slam/tracking/",
     "slam/schur/",
     "slam/factors/",
@@ -75,12 +76,14 @@ const std::vector<std::string> kRooms = {
     "export/",
     "export/lanelet2/",
     "server/ingest/files/",
+    "server/ingest/writing/",
     "server/ingest/containers/",
     "server/ingest/messages/",
     "server/ingest/video/",
     "server/ingest/schemas/",
     "server/ingest/checks/",
     "server/ingest/drive/",
+    "server/ingest/conversion/",
     "server/ingest/inspection/",
     "server/ingest/pictures/",
     "server/store/disk/",
@@ -274,7 +277,7 @@ TEST_F(Architecture, RoomsAreSmallEnoughToKnow) {
   std::map<std::string, size_t> counts;
   for (const auto& [file, included] : includes_) ++counts[kRooms[FindRoom(file).value()]];
   for (const auto& [room, count] : counts)
-    EXPECT_LE(count, room == "core/" ? 70 : kMaxFilesPerRoom) << room;
+    EXPECT_LE(count, room == "core/" ? 68 : kMaxFilesPerRoom) << room;
 }
 
 TEST_F(Architecture, UnitsDoNotIncludeEachOther) {

@@ -111,7 +111,7 @@ Rig FindRig(const MessageSource& source, const fs::path& rig_folder) {
   return DiscoverRig(source);
 }
 
-std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
+std::vector<std::shared_ptr<RecordedDriveParts>> OpenDriveParts(
     const std::shared_ptr<const MessageSource>& log, const fs::path& name,
     const OpenLogOptions& options) {
   Rig rig = WithCameras(FindRig(*log, options.rig_folder), options.cameras);
@@ -120,7 +120,7 @@ std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
   NameTopics(selection.streams, rig);
   std::vector<LogSurvey> surveys = SurveyStretches(*source, std::move(selection.streams), rig);
   RequireUsable(surveys.front().findings);
-  std::vector<std::unique_ptr<RecordedDrive>> drives;
+  std::vector<std::shared_ptr<RecordedDriveParts>> drives;
   for (LogSurvey& survey : surveys) {
     if (!IsUsable(survey)) continue;
     auto parts = std::make_shared<RecordedDriveParts>();
@@ -135,8 +135,17 @@ std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
     parts->survey = std::move(survey);
     for (const std::string& warning : parts->health.Warnings())
       if (options.warn) LogWarning(parts->name + ": " + warning);
-    drives.push_back(std::make_unique<FileDrive>(std::move(parts)));
+    drives.push_back(std::move(parts));
   }
+  return drives;
+}
+
+std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
+    const std::shared_ptr<const MessageSource>& log, const fs::path& name,
+    const OpenLogOptions& options) {
+  std::vector<std::unique_ptr<RecordedDrive>> drives;
+  for (std::shared_ptr<RecordedDriveParts>& parts : OpenDriveParts(log, name, options))
+    drives.push_back(std::make_unique<FileDrive>(std::move(parts)));
   return drives;
 }
 

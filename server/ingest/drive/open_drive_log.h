@@ -10,6 +10,8 @@
 
 namespace parkade {
 
+struct RecordedDriveParts;
+
 struct OpenLogOptions {
   std::filesystem::path
       rig_folder{};  ///< Kalibr files (core/rig.h ReadRig); empty: the rig comes from the log
@@ -51,6 +53,11 @@ std::unique_ptr<RecordedDrive> OpenDriveLog(const std::filesystem::path& log,
 std::unique_ptr<RecordedDrive> OpenDriveLog(const std::shared_ptr<const MessageSource>& source,
                                             const std::filesystem::path& name,
                                             const OpenLogOptions& options);
+
+/// What OpenDriveLogs makes drives of, for who reads their messages. Throws as OpenDriveLog.
+std::vector<std::shared_ptr<RecordedDriveParts>> OpenDriveParts(
+    const std::shared_ptr<const MessageSource>& log, const std::filesystem::path& name,
+    const OpenLogOptions& options);
 
 /// The rig in `rig_folder`; where that is empty, the one that came with the log (see euroc_rig.h,
 /// rig_discovery.h). Throws Error{kInvalidInput} naming what is missing.

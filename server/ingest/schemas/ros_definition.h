@@ -26,8 +26,15 @@ struct RosDefinition {
 /// when a line is no field.
 RosDefinition ReadRosDefinition(const std::string& text, const std::string& type, bool is_ros1);
 
+/// Adds std_msgs/Header and times, where the definition has none of its own.
+void AddKnownTypes(RosDefinition& definition, bool is_ros1);
+
 /// The text for common types (ROS 1 spelling), of which rosbag2 databases hold the name alone;
 /// empty for others.
 std::string KnownRosDefinition(const std::string& type);
+
+/// The same with the parts that ROS 2 has for every message with a header: what other programs need
+/// to read the type.
+std::string WholeRos2Definition(const std::string& type);
 
 }  // namespace parkade

@@ -1,33 +1,25 @@
 #include "server/ingest/schemas/sensor_signals.h"
 
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "core/error.h"
-#include "server/ingest/schemas/cdr_writer.h"
+#include "server/ingest/messages/message_encoding.h"
 
 namespace parkade {
 namespace {
 
 std::vector<std::uint8_t> Twist(Timestamp time, double speed, double yaw_rate) {
-  CdrWriter writer;
-  writer.Header(time, "");
-  return writer.Doubles(std::array{speed, 0.0, 0.0, 0.0, 0.0, yaw_rate}).Take();
+  return EncodeTwist({time, speed, yaw_rate}, "");
 }
 
 }  // namespace
 
 std::vector<std::uint8_t> ImuFromSignals(const SignalValues& values, Timestamp time) {
-  CdrWriter writer;
-  writer.Header(time, "");
-  const std::array<double, 9> unknown{};
-  writer.Doubles(std::array{0.0, 0.0, 0.0, 1.0}).Doubles(unknown);
-  for (const char* name : {"rate_x", "rate_y", "rate_z"}) writer.Put(values.at(name));
-  writer.Doubles(unknown);
-  for (const char* name : {"acceleration_x", "acceleration_y", "acceleration_z"})
-    writer.Put(values.at(name));
-  return writer.Doubles(unknown).Take();
+  const auto vector = [&](const std::string& name) {
+    return Eigen::Vector3d(values.at(name + "_x"), values.at(name + "_y"), values.at(name + "_z"));
+  };
+  return EncodeImu({time, vector("rate"), vector("acceleration")}, "");
 }
 
 std::vector<std::uint8_t> FixFromSignals(const SignalValues& values, Timestamp time) {
@@ -35,16 +27,17 @@ std::vector<std::uint8_t> FixFromSignals(const SignalValues& values, Timestamp t
     const auto found = values.find(name);
     return found == values.end() ? otherwise : found->second;
   };
-  CdrWriter writer;
-  writer.Header(time, "").Put(std::int8_t{0}).Put(std::uint16_t{1});  // a fix, GPS
-  writer.Put(values.at("latitude")).Put(values.at("longitude"));
-  writer.Put(value_or("altitude", std::numeric_limits<double>::quiet_NaN()));
   const double horizontal = value_or("sigma_horizontal", 0);
   const double vertical = value_or("sigma_vertical", 2 * horizontal);
   const double h = horizontal * horizontal, v = vertical * vertical;
-  writer.Doubles(std::array{h, 0.0, 0.0, 0.0, h, 0.0, 0.0, 0.0, v});
-  constexpr std::uint8_t kUnknown = 0, kDiagonalKnown = 2;
-  return writer.Put(h > 0 ? kDiagonalKnown : kUnknown).Take();
+  constexpr int kUnknown = 0, kDiagonalKnown = 2;
+  return EncodeNavSat({.header = {time, ""},
+                       .status = 0,
+                       .latitude_deg = values.at("latitude"),
+                       .longitude_deg = values.at("longitude"),
+                       .altitude = value_or("altitude", std::numeric_limits<double>::quiet_NaN()),
+                       .covariance = {h, 0, 0, 0, h, 0, 0, 0, v},
+                       .covariance_type = h > 0 ? kDiagonalKnown : kUnknown});
 }
 
 WheelSignals::WheelSignals(const VehicleCalibration& vehicle)

@@ -1,4 +1,4 @@
-#include "tests/support/log_compression.h"
+#include "server/ingest/writing/log_compression.h"
 
 #include <bzlib.h>
 #include <lz4frame.h>

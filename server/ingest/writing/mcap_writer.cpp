@@ -1,8 +1,8 @@
-#include "tests/support/mcap_writer.h"
+#include "server/ingest/writing/mcap_writer.h"
 
 #include <zlib.h>
 
-#include "core/error.h"
+#include "core/file_error.h"
 
 namespace parkade {
 namespace {
@@ -43,7 +43,7 @@ std::vector<std::uint8_t> Record(Opcode opcode, const ByteWriter& body) {
 
 McapWriter::McapWriter(const std::filesystem::path& file, const std::string& profile,
                        const McapWriterOptions& options)
-    : options_(options), name_(file.filename().string()), file_(file, std::ios::binary) {
+    : options_(options), path_(file), file_(file, std::ios::binary) {
   Emit(kMagic);
   ByteWriter header;
   header.PrefixedText(profile).PrefixedText("parkade");
@@ -89,13 +89,13 @@ void McapWriter::Close() {
   WriteSummary();
   Emit(kMagic);
   file_.close();
-  Require(file_.good(), ErrorCode::kInternal, "cannot write '" + name_ + "'");
+  if (!file_.good()) ThrowCannotWrite(path_);
 }
 
 void McapWriter::Emit(std::span<const std::uint8_t> bytes) {
   file_.write(reinterpret_cast<const char*>(bytes.data()),
               static_cast<std::streamsize>(bytes.size()));
-  Require(file_.good(), ErrorCode::kInternal, "cannot write '" + name_ + "'");
+  if (!file_.good()) ThrowCannotWrite(path_);
   offset_ += bytes.size();
   crc_ = UpdateCrc(crc_, bytes);
 }

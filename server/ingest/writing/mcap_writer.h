@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/timestamp.h"
-#include "tests/support/byte_writer.h"
-#include "tests/support/log_compression.h"
+#include "server/ingest/writing/byte_writer.h"
+#include "server/ingest/writing/log_compression.h"
 
 namespace parkade {
 
@@ -24,7 +24,7 @@ struct McapWriterOptions {
 };
 
 /// Writes MCAP logs (mcap.dev/spec). Messages are written in the order given. Throws
-/// Error{kInternal} when the file cannot be written. A file whose Close() was not called ends as
+/// as ThrowCannotWrite. A file whose Close() was not called ends as
 /// after a crash of the recorder.
 class McapWriter {
  public:
@@ -58,7 +58,7 @@ class McapWriter {
   void WriteSummary();
 
   McapWriterOptions options_;
-  std::string name_;
+  std::filesystem::path path_;
   std::ofstream file_;
   std::uint64_t offset_ = 0;
   std::uint32_t crc_ = 0;  ///< of what Emit() wrote since it was last set to zero

@@ -5,9 +5,9 @@
 #include <variant>
 #include <vector>
 
+#include "server/ingest/writing/mcap_writer.h"
 #include "tests/simulator/sinks/drive_sink.h"
 #include "tests/simulator/sinks/encode_ros_messages.h"
-#include "tests/support/mcap_writer.h"
 #include "tests/support/rosbag1_writer.h"
 
 namespace parkade::simulator {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "server/ingest/containers/raw_message.h"
-#include "tests/support/mcap_writer.h"
+#include "server/ingest/writing/mcap_writer.h"
 #include "tests/support/rosbag1_writer.h"
 
 namespace parkade {

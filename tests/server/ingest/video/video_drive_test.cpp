@@ -3,6 +3,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/error.h"
+#include "server/ingest/conversion/convert_log.h"
 #include "server/ingest/drive/open_drive_log.h"
 #include "server/ingest/pictures/read_picture.h"
 #include "tests/server/ingest/drive/euroc_folder.h"
@@ -140,6 +141,26 @@ TEST(VideoDrive, APictureInMidGroupIsDecodedFromItsKeyFrameOn) {
     }
     EXPECT_THROW(ReadPicture(log, camera, camera.images[36], 0), Error);
   }
+}
+
+TEST(VideoDrive, IsPixelsInACleanLog) {
+  VideoLogPlan plan;
+  plan.lost = {0};  // up to the next key frame nothing can be decoded
+  const MemorySource log = MakeVideoLog(plan);
+  const TestFolder folder;
+  const std::filesystem::path rig = folder.path() / "rig", out = folder.path() / "clean.mcap";
+  std::filesystem::create_directories(rig);
+  WriteRig(RigOfVideo(), rig);
+
+  const Conversion conversion = ConvertLog(std::make_shared<MemorySource>(log), "drive", out,
+                                           {.rig_folder = rig, .warn = false});
+  const auto clean = OpenDriveLog(out, {.rig_folder = conversion.rig, .warn = false});
+
+  const std::vector<int> numbers = NumbersRead(*Open(log), {});
+  EXPECT_LT(numbers.size(), static_cast<std::size_t>(kImages));
+  EXPECT_EQ(NumbersRead(*clean, {}), numbers);
+  EXPECT_EQ(clean->health().streams.at(1).topic, "/cam0/image_raw");
+  EXPECT_EQ(conversion.drives.at(0).num_left_out, kImages - 1 - numbers.size());
 }
 
 }  // namespace
