@@ -106,11 +106,12 @@ void MoveTo(const fs::path& target, const fs::path& staged) {
   if (error) ThrowErrno("cannot write '" + target.string() + "'", error.value());
 }
 
-/// The rig for all drives of a log.
+/// The rig for all drives of a log: of the sensors of which anything is left.
 Rig CleanRigOf(const std::vector<std::shared_ptr<RecordedDriveParts>>& drives) {
   std::vector<SensorStream> streams;
   for (const auto& drive : drives)
-    streams.insert(streams.end(), drive->survey.streams.begin(), drive->survey.streams.end());
+    for (std::size_t i = 0; i < drive->survey.streams.size(); ++i)
+      if (drive->survey.health[i].num_delivered > 0) streams.push_back(drive->survey.streams[i]);
   return CleanRig(drives.front()->rig, streams);
 }
 

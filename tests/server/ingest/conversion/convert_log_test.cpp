@@ -186,6 +186,25 @@ TEST_F(ConvertLogTest, AClockThatStepsAloneIsPutBackForGood) {
   EXPECT_EQ(conversion.drives.at(0).num_left_out, 0U);
 }
 
+TEST_F(ConvertLogTest, ASensorOfWhichNothingIsLeftIsNotInTheRig) {
+  Rig rig = RigOfTest();
+  rig.cameras.push_back(rig.cameras[0]);
+  rig.cameras[1].name = "cam1";
+  rig.cameras[1].topic = "/rear/image_raw";
+  MemorySource log = MakeLog({});
+  ImageValues image{64, 48, 64, "mono8", false, std::vector<std::uint8_t>(64 * 48)};
+  for (int i = 0; i < 60; ++i)  // on another clock
+    log.Add("/rear/image_raw", "sensor_msgs/Image", kBegin + 100 * i * kMs,
+            ImageBytes(log.Writer(), (100 * i + 7) * kMs, "rear", image));
+
+  const Conversion conversion = Convert(log, rig);
+
+  EXPECT_EQ(conversion.drives.at(0).num_left_out, 60U);
+  const Rig clean = ReadRig(conversion.rig);
+  ASSERT_EQ(clean.cameras.size(), 1U);
+  EXPECT_EQ(clean.cameras[0].topic, "/front/image_raw");
+}
+
 TEST_F(ConvertLogTest, EachStretchBetweenLeapsIsALogOfItsOwn) {
   const auto leap = [](int ms) { return ms < 4000 ? ms : ms + 600'000; };
   const MemorySource log =
