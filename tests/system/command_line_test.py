@@ -56,7 +56,7 @@ class CommandLine(unittest.TestCase):
     def test_help_and_version_answer(self):
         self.assertEqual(run("--help").returncode, 0)
         self.assertRegex(run("--version").stdout, r"^parkade \d+\.\d+\.\d+")
-        for command in ("map", "serve", "inspect", "evaluate"):
+        for command in ("map", "serve", "inspect", "convert", "evaluate"):
             self.assertEqual(run(command, "--help").returncode, 0)
 
     def test_usage_errors_exit_with_2(self):
@@ -66,6 +66,21 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(run("evaluate").returncode, 2)
         self.refuse("x.bag", "--set", "odometry.no_such=1", status=2, names=["odometry.no_such"])
         self.refuse("x.bag", "--set", "odometry.use_wheels=7", status=2, names=["odometry.use_wheels"])
+
+    def test_a_log_is_converted_into_one_that_is_clean_and_never_over_another(self):
+        drive = write_drive(self.folder / "parked", seconds=2.0)
+        clean = self.folder / "clean.mcap"
+
+        result = run("convert", drive, "--out", clean)
+
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("0 left out", result.stdout)
+        self.assertEqual(run("inspect", clean, "--rig", self.folder / "clean_rig").returncode, 0)
+        again = run("convert", drive, "--out", clean)
+        self.assertEqual((again.returncode, again.stderr),
+                         (1, f"parkade: '{clean}' is there already: choose another --out\n"))
+        self.assertEqual(run("convert", drive, "--out", self.folder / "clean.bag").returncode, 2)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["clean.mcap", "clean_rig", "parked"])
 
     def test_options_are_printed_as_json_and_can_be_set(self):
         options = json.loads(run("map", "--print-options", "--set", "mapping.cell_size=0.1").stdout)
