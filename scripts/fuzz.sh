@@ -39,7 +39,7 @@ seed() {
       printf '\0\24\0float64 x\nstring[] y\0\1\0\0\0\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0a\0' > "$corpus/msg"
       printf '\0\75\0module p { struct T { sequence<double> x; wstring<8> y; }; };\0\1\0\0\1\0\0\0\0\0\0\0' > "$corpus/idl"
       printf '\1\12\0float64 x\n\0\0\0\0\0\0\0\0' > "$corpus/msg1"
-      printf '\2\44\0\n\42\n\1t\22\1p\42\32\n\1T\22\25\n\4data\30\1\40\1\50\1a\0' > "$corpus/proto"
+      printf '\2\33\0\n\31\n\1t\22\1p\42\21\n\1T\22\14\n\4data\30\1\40\1\50\1\11\0\0\0\0\0\0\360\77' > "$corpus/proto"
       printf '\3\0\0{"timestamp": {"sec": 1}, "data": "AA==", "K": [1], "transforms": [{}], "velocity": [1], "name": ["a"]}' > "$corpus/json" ;;
     rig) cp tests/fuzz/rig.yaml "$corpus/seed" ;;
     *) printf '\0\1\0\0' > "$corpus/seed" ;;
