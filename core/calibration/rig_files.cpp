@@ -49,7 +49,7 @@ std::string OnlyOne(const std::vector<std::string>& names, const IsCalled& is_ca
 
 std::string FindOne(const std::vector<std::string>& names, std::span<const NameOfKind> kinds) {
   for (const NameOfKind& kind : kinds)
-    if (const std::string found =
+    if (std::string found =
             OnlyOne(names, [&](const std::string& name) { return IsCalled(name, kind); });
         !found.empty())
       return found;

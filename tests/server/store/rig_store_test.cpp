@@ -94,6 +94,15 @@ TEST_F(RigStore, WhatKalibrWroteGetsItsUsualNames) {
   EXPECT_EQ(UnpackRig(ReadRigArchive(store_, rig)), kRig);
 }
 
+TEST_F(RigStore, BasaltsFileStandsForTwoOfTheThree) {
+  const StoredRig rig =
+      StoreRig(store_, "audi",
+               {{"euroc_calib.json", "{}"}, {"vehicle.yaml", kRig.at("vehicle.yaml")}}, nullptr);
+
+  EXPECT_EQ(rig.files, (std::vector<std::string>{"calibration.json", "vehicle.yaml"}));
+  EXPECT_THROW(StoreRig(store_, "bmw", {{"calibration.json", "{}"}}, nullptr), Error);
+}
+
 TEST_F(RigStore, ARefusedRigLeavesNothing) {
   RigFiles incomplete = kRig;
   incomplete.erase("imu0.yaml");
