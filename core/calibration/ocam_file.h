@@ -7,7 +7,7 @@
 namespace parkade {
 
 /// The lens in a calib_results.txt of the OCamCalib toolbox (D. Scaramuzza), with the keys of a
-/// camera of the chain: `intrinsics`, `centre`, `affine`, `resolution`. The file counts rows
+/// camera of the chain (intrinsics, center, affine part, resolution). The file counts rows
 /// before columns, as MATLAB does; its polynomial's z points backwards.
 ///
 /// Throws Error{kInvalidInput} naming the file where it is none, or its polynomial has a linear

@@ -43,7 +43,7 @@ std::vector<double> NumbersAt(const YamlNode& node, const std::string& key,
   return numbers;
 }
 
-/// Of OpenCV's longer models nothing may be cut off: beyond k3 all must be 0.
+/// Cuts nothing off OpenCV's longer models: beyond k3 all must be 0.
 RadTanDistortion ReadRadTan(const YamlNode& camera) {
   std::vector<double> k = NumbersAt(camera, "distortion_coeffs", {4, 5, 8, 12, 14});
   for (std::size_t i = 5; i < k.size(); ++i)

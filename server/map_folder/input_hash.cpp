@@ -42,7 +42,7 @@ std::map<std::string, fs::path> FilesIn(const fs::path& folder, const fs::path& 
   return files;
 }
 
-/// Of files by their names.
+/// Identifies several files by their names.
 InputHash HashFiles(const std::string& name, const std::map<std::string, fs::path>& files) {
   InputHash result{name, 0, ""};
   Sha256 manifest;

@@ -81,7 +81,7 @@ std::string Layout() {
          Part("std_msgs/MultiArrayDimension", "string label\nuint32 size\nuint32 stride\n");
 }
 
-/// Of the types that a clean log has.
+/// Types that a clean log has.
 std::string KnownSensorDefinition(const std::string& type) {
   const std::string header = kHeader;
   if (type == "sensor_msgs/Imu")
