@@ -45,14 +45,14 @@ std::vector<std::string> TokensOf(std::string_view text) {
 
 /// "float64" for "double" and the like; empty for other words.
 std::string PrimitiveOf(const std::string& word) {
-  static const std::map<std::string, std::string> kNames = {
+  static const std::map<std::string, std::string> names = {
       {"double", "float64"}, {"float", "float32"}, {"boolean", "bool"},  {"octet", "uint8"},
       {"char", "uint8"},     {"short", "int16"},   {"long", "int32"},    {"int8", "int8"},
       {"uint8", "uint8"},    {"int16", "int16"},   {"uint16", "uint16"}, {"int32", "int32"},
       {"uint32", "uint32"},  {"int64", "int64"},   {"uint64", "uint64"}, {"string", "string"},
       {"wstring", "wstring"}};
-  const auto found = kNames.find(word);
-  return found == kNames.end() ? "" : found->second;
+  const auto found = names.find(word);
+  return found == names.end() ? "" : found->second;
 }
 
 /// "std_msgs/Header" for "std_msgs::msg::Header".
