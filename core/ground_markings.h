@@ -38,7 +38,7 @@ inline const char* ToText(SlotState state) {
   return "";
 }
 
-/// A marked parking space: the rectangle between the middles of the painted lines beside it.
+/// A parking space: between the middles of the painted lines beside it, or as cars stand at a kerb.
 struct ParkingSlot {
   std::string id = {};  ///< the same in all versions of a map; empty until it is named
   std::array<Eigen::Vector3d, 4>

@@ -11,6 +11,7 @@
 #include "mapping/markings/slot_rows.h"
 #include "mapping/markings/slot_sides.h"
 #include "mapping/markings/slot_states.h"
+#include "mapping/roadside/roadside_slots.h"
 
 namespace parkade {
 namespace {
@@ -23,6 +24,7 @@ constexpr double kSureSlot = 0.9;       // confidence
 constexpr double kInside = 0.4;         // [m] from a slot's sides
 constexpr double kParkingSpeed = 2.0;   // [m/s]
 constexpr double kMaxHeightStep = 1.2;  // [m] between things of one deck
+constexpr double kMarkedNear = 12;      // [m] around marked slots, where cars stand in such
 constexpr float kBareBelief = 0.8F;     // of free ground where a line would have been seen
 
 double HeightAt(const CellFinder& cells, const Vector2d& place, double height) {
@@ -107,7 +109,30 @@ bool IsDrivenThrough(const PlanarSlot& slot, std::span<const DrivenPath> paths) 
   return false;
 }
 
-/// The slots that the texture shows by itself.
+/// What parked cars alone say.
+std::vector<PlanarSlot> LookAlongKerbs(const CellFinder& cells, std::span<const DrivenPath> paths) {
+  std::vector<PlanarSlot> slots;
+  for (const RoadsideSlot& found : FindRoadsideSlots(cells, paths))
+    slots.push_back({.corners = found.corners,
+                     .height = found.height,
+                     .kind = SlotKind::kParallel,
+                     .confidence = found.confidence});
+  return slots;
+}
+
+/// Takes out unmarked slots where any of `others` near them is marked.
+void DropNearMarked(std::span<const ParkingSlot> others, std::vector<ParkingSlot>& slots) {
+  std::erase_if(slots, [&](const ParkingSlot& slot) {
+    return !IsMarked(slot) &&
+           std::any_of(others.begin(), others.end(), [&](const ParkingSlot& other) {
+             const Vector3d offset = other.Center() - slot.Center();
+             return IsMarked(other) && std::abs(offset.z()) < kMaxHeightStep &&
+                    offset.head<2>().norm() < kMarkedNear;
+           });
+  });
+}
+
+/// The slots that the texture shows by itself, and those that parked cars do.
 std::vector<ParkingSlot> LookForSlots(const MarkedGround& ground, const Paint& paint,
                                       const CellFinder& cells, const SlotRowOptions& options) {
   const auto is_bare = [&](const Vector2d& place, double height) {
@@ -118,6 +143,10 @@ std::vector<ParkingSlot> LookForSlots(const MarkedGround& ground, const Paint& p
   std::vector<ParkingSlot> slots;
   for (const PlanarSlot& slot : FindSlotRows(paint.lines, options, is_bare))
     if (!IsDrivenThrough(slot, ground.paths)) slots.push_back(PlaceSlot(slot, cells, ground.paths));
+  for (const PlanarSlot& slot : LookAlongKerbs(cells, ground.paths))
+    if (slot.confidence >= options.min_confidence && !IsDrivenThrough(slot, ground.paths))
+      slots.push_back(PlaceSlot(slot, cells, ground.paths));
+  DropNearMarked(std::vector(slots), slots);
   return slots;
 }
 
@@ -160,7 +189,10 @@ std::vector<ParkingSlot> FindSlots(const MarkedGround& ground, const Paint& pain
     return now.slots;
   }
   std::vector<SlotLook> looks = ground.known;
-  for (SlotLook& look : looks) Lift(look.slots, cells);
+  for (SlotLook& look : looks) {
+    Lift(look.slots, cells);
+    if (look.establishes) DropNearMarked(look.slots, now.slots);
+  }
   looks.push_back(std::move(now));
   std::vector<SlotCandidate> candidates = MatchLooks(looks);
   std::vector<ParkingSlot> slots;

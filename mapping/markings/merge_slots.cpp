@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mapping/ground/quadrilateral.h"
+#include "mapping/roadside/roadside_slots.h"
 
 namespace parkade {
 namespace {
@@ -57,7 +58,9 @@ std::vector<Outline> OutlinesOf(const std::vector<SlotCandidate>& candidates) {
   return outlines;
 }
 
-auto CountBare(const SlotCandidate& candidate) {
+/// Lines of a slot that are not there, of those that ever were.
+std::ptrdiff_t CountBare(const SlotCandidate& candidate) {
+  if (!IsMarked(candidate.slot)) return 0;
   return std::count(candidate.sides.begin(), candidate.sides.end(), PaintSeen::kBare);
 }
 

@@ -68,6 +68,17 @@ TEST(MatchLooks, ALookThatOnlyNamesMakesNoSlots) {
   EXPECT_EQ(all[0].slot.corners[0].x(), 0.1) << "where it is now";
 }
 
+TEST(ChooseSlots, ASlotThatNoLineDividesStaysWhereNoLineIs) {
+  SlotCandidate along_kerb = FoundBefore(0, {kBare, kBare});
+  along_kerb.slot.kind = SlotKind::kParallel;
+  const std::vector<ParkingSlot> slots = ChooseSlots({along_kerb});
+  ASSERT_EQ(slots.size(), 1U);
+  EXPECT_EQ(slots[0].id, "old");
+  EXPECT_EQ(slots[0].confidence, 0.8);
+  along_kerb.slot.num_marked_sides = 1;
+  EXPECT_TRUE(ChooseSlots({along_kerb}).empty()) << "its line was taken away";
+}
+
 TEST(ChooseSlots, WhatIsNotClearlyGoneStays) {
   const auto count = [](const SlotCandidate& candidate) { return ChooseSlots({candidate}).size(); };
   EXPECT_EQ(count(FoundBefore(0, {kUnknown, kUnknown})), 1U);
