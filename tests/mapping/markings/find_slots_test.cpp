@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "tests/mapping/roadside/street_world.h"
 #include "tests/mapping/worlds/flat_ground.h"
 
 namespace parkade {
@@ -117,6 +118,40 @@ TEST(FindSlots, WhosePaintIsGoneAreGoneOnceTheirGroundIsSeen) {
                                                 {Vector2d(-14, -9), Vector2d(14, -2)}};
   const std::vector<PosedGroundPatch> hidden = {PatchOf(0), PatchOf(1, all)};
   EXPECT_EQ(Look(PaintedGround(), hidden, FirstDay()).size(), 2U * kNumSlots);
+}
+
+/// The slots of an unpainted street with two cars.
+std::vector<ParkingSlot> LookAtStreet(std::vector<SlotLook> known = {}) {
+  const SurfaceMap surface = StreetWithCars(40, {16.2, 22.4});
+  const DrivenPath path = PathAlongStreet(32);
+  const TriangleMesh mesh;
+  const GroundTexture texture;
+  const PatchesInMemory nothing({});
+  const MarkedGround marked{mesh, surface,         texture, nothing, std::span(&path, 1),
+                            1,    std::move(known)};
+  return FindSlots(marked, {});
+}
+
+TEST(FindSlots, CarsAlongAKerbAreSlotsThatNoLineDivides) {
+  const std::vector<ParkingSlot> slots = LookAtStreet();
+  ASSERT_EQ(slots.size(), 4U) << "two cars, and a place beyond each";
+  for (const ParkingSlot& slot : slots) {
+    EXPECT_EQ(slot.kind, SlotKind::kParallel);
+    EXPECT_EQ(slot.num_marked_sides, 0);
+    EXPECT_NEAR(slot.Length(), 6.2, 0.2);
+    EXPECT_NEAR(0.5 * (slot.corners[0] + slot.corners[1]).y(), -3.1, 0.1) << "from the lane";
+    EXPECT_NEAR(slot.Center().z(), 0.2, 0.01);
+  }
+}
+
+TEST(FindSlots, NearMarkedSlotsCarsAloneMakeNone) {
+  ParkingSlot marked;
+  marked.corners = {Eigen::Vector3d(18, 0, 0.2), {20.4, 0, 0.2}, {20.4, 2.4, 0.2}, {18, 2.4, 0.2}};
+  marked.confidence = 0.9;
+  const std::vector<ParkingSlot> slots = LookAtStreet({{{marked}, 0}});
+  EXPECT_TRUE(std::all_of(slots.begin(), slots.end(), [](const ParkingSlot& slot) {
+    return slot.kind == SlotKind::kPerpendicular;
+  }));
 }
 
 }  // namespace
