@@ -120,9 +120,10 @@ TEST(FindSlots, WhosePaintIsGoneAreGoneOnceTheirGroundIsSeen) {
   EXPECT_EQ(Look(PaintedGround(), hidden, FirstDay()).size(), 2U * kNumSlots);
 }
 
-/// The slots of an unpainted street with two cars.
-std::vector<ParkingSlot> LookAtStreet(std::vector<SlotLook> known = {}) {
-  const SurfaceMap surface = StreetWithCars(40, {16.2, 22.4});
+/// The slots of an unpainted street with cars, each about an x [m].
+std::vector<ParkingSlot> LookAtStreet(const std::vector<double>& cars,
+                                      std::vector<SlotLook> known = {}) {
+  const SurfaceMap surface = StreetWithCars(40, cars);
   const DrivenPath path = PathAlongStreet(32);
   const TriangleMesh mesh;
   const GroundTexture texture;
@@ -133,7 +134,7 @@ std::vector<ParkingSlot> LookAtStreet(std::vector<SlotLook> known = {}) {
 }
 
 TEST(FindSlots, CarsAlongAKerbAreSlotsThatNoLineDivides) {
-  const std::vector<ParkingSlot> slots = LookAtStreet();
+  const std::vector<ParkingSlot> slots = LookAtStreet({16.2, 22.4});
   ASSERT_EQ(slots.size(), 4U) << "two cars, and a place beyond each";
   for (const ParkingSlot& slot : slots) {
     EXPECT_EQ(slot.kind, SlotKind::kParallel);
@@ -144,11 +145,22 @@ TEST(FindSlots, CarsAlongAKerbAreSlotsThatNoLineDivides) {
   }
 }
 
+TEST(FindSlots, AlongAKerbALaterDayAddsItsCarsAndLosesNone) {
+  SlotLook first{LookAtStreet({16.2, 22.4}), 0};
+  for (std::size_t i = 0; i < first.slots.size(); ++i) first.slots[i].id = std::to_string(i);
+  EXPECT_EQ(LookAtStreet({}, {first}).size(), first.slots.size());
+  const std::vector<ParkingSlot> both = LookAtStreet({28.7, 34.9}, {first});
+  ASSERT_EQ(both.size(), 5U) << "the one beyond the first day's last car has a car now";
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(both[i].id, std::to_string(i));
+  EXPECT_GT(both[3].confidence, first.slots[3].confidence) << "of that car";
+  EXPECT_TRUE(both[4].id.empty());
+}
+
 TEST(FindSlots, NearMarkedSlotsCarsAloneMakeNone) {
   ParkingSlot marked;
   marked.corners = {Eigen::Vector3d(18, 0, 0.2), {20.4, 0, 0.2}, {20.4, 2.4, 0.2}, {18, 2.4, 0.2}};
   marked.confidence = 0.9;
-  const std::vector<ParkingSlot> slots = LookAtStreet({{{marked}, 0}});
+  const std::vector<ParkingSlot> slots = LookAtStreet({16.2, 22.4}, {{{marked}, 0}});
   EXPECT_TRUE(std::all_of(slots.begin(), slots.end(), [](const ParkingSlot& slot) {
     return slot.kind == SlotKind::kPerpendicular;
   }));
