@@ -70,6 +70,7 @@ const std::vector<std::string> kRooms = {
     "mapping/mesh/",
     "mapping/texture/",
     "mapping/kerbs/",
+    "mapping/roadside/",
     "mapping/markings/",
     "mapping/evaluation/",
     "export/gltf/",
