@@ -23,9 +23,10 @@ constexpr double kBare = 0.7;                         // [m] before the kerb tha
 /// Counts of places by the distance at which they have the kerb.
 class KerbVotes {
  public:
-  void Add(const RoadsideSight& sight, int count) {
-    if (sight.end == RoadsideEnd::kUnseen) return;
-    const double kerb = sight.free_width + (sight.end == RoadsideEnd::kVehicle ? kFlankToKerb : 0);
+  void Add(const RoadsideSection& section, int count) {
+    if (section.end == RoadsideEnd::kUnseen) return;
+    const double kerb =
+        section.free_width + (section.end == RoadsideEnd::kVehicle ? kFlankToKerb : 0);
     const int bin = static_cast<int>(kerb / kBin);
     if (kerb >= kMinKerb && bin < kNumBins) counts_[static_cast<std::size_t>(bin)] += count;
   }
@@ -52,13 +53,13 @@ class KerbVotes {
   std::array<int, kNumBins> counts_{};
 };
 
-LaneState StateOf(const RoadsideSight& sight, double kerb) {
-  const double inside = kerb - sight.free_width;
-  switch (sight.end) {
+LaneState StateOf(const RoadsideSection& section, double kerb) {
+  const double inside = kerb - section.free_width;
+  switch (section.end) {
     case RoadsideEnd::kUnseen:
-      return sight.free_width > kerb + kMaxOpen       ? LaneState::kBlocked
-             : sight.free_width > 0 && inside < kBare ? LaneState::kFree
-                                                      : LaneState::kUnseen;
+      return section.free_width > kerb + kMaxOpen       ? LaneState::kBlocked
+             : section.free_width > 0 && inside < kBare ? LaneState::kFree
+                                                        : LaneState::kUnseen;
     case RoadsideEnd::kVehicle:
       if (inside > kMinInside && inside < kMaxInside) return LaneState::kVehicle;
       [[fallthrough]];
@@ -72,27 +73,27 @@ LaneState StateOf(const RoadsideSight& sight, double kerb) {
 }  // namespace
 
 ParkingLane FindParkingLane(const Roadside& roadside) {
-  const std::vector<RoadsideSight>& sights = roadside.sights;
-  const int count = static_cast<int>(sights.size());
+  const std::vector<RoadsideSection>& sections = roadside.sections;
+  const int count = static_cast<int>(sections.size());
   KerbVotes votes;
   for (int i = 0; i < std::min(kWindow, count); ++i)
-    votes.Add(sights[static_cast<std::size_t>(i)], 1);
+    votes.Add(sections[static_cast<std::size_t>(i)], 1);
   ParkingLane lane;
   Vector3d last = Vector3d::Zero();
   bool has_last = false;
   double left = 0;
   for (int i = 0; i < count; ++i) {
-    if (i + kWindow < count) votes.Add(sights[static_cast<std::size_t>(i + kWindow)], 1);
-    if (i > kWindow) votes.Add(sights[static_cast<std::size_t>(i - kWindow - 1)], -1);
-    const RoadsideSight& sight = sights[static_cast<std::size_t>(i)];
+    if (i + kWindow < count) votes.Add(sections[static_cast<std::size_t>(i + kWindow)], 1);
+    if (i > kWindow) votes.Add(sections[static_cast<std::size_t>(i - kWindow - 1)], -1);
+    const RoadsideSection& section = sections[static_cast<std::size_t>(i)];
     const std::optional<double> kerb = votes.Mode();
     if (!kerb) continue;
     const double distance = *kerb - 0.5 * ParkingLane::kWidth;
-    const Eigen::Vector2d middle = sight.At(distance);
-    const Vector3d place(middle.x(), middle.y(), sight.place.z());
+    const Eigen::Vector2d middle = section.At(distance);
+    const Vector3d place(middle.x(), middle.y(), section.place.z());
     const double step = has_last ? (place - last).head<2>().norm() : 0;
     const double length = has_last ? step : 0;
-    const LaneState state = StateOf(sight, *kerb);
+    const LaneState state = StateOf(section, *kerb);
     for (; left <= length; left += ParkingLane::kStep) {
       const double share = length > 0 ? left / length : 0;
       lane.places.emplace_back(has_last ? Vector3d(last + share * (place - last)) : place);

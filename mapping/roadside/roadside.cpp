@@ -76,19 +76,19 @@ Cell CellAt(const CellFinder& cells, const Vector2d& place, double& height) {
 }
 
 /// Looks outward from the path until free ground ends.
-void LookOutward(const CellFinder& cells, RoadsideSight& sight) {
+void LookOutward(const CellFinder& cells, RoadsideSection& section) {
   constexpr int kCount = static_cast<int>(Roadside::kReach / kAcross);
   std::array<Cell, kCount> row;
-  double height = sight.place.z();
+  double height = section.place.z();
   for (int i = 0; i < kCount; ++i)
-    row[static_cast<std::size_t>(i)] = CellAt(cells, sight.At(kOwnWidth + i * kAcross), height);
+    row[static_cast<std::size_t>(i)] = CellAt(cells, section.At(kOwnWidth + i * kAcross), height);
   const int solid = static_cast<int>(std::lround(kSolid / kAcross));
   int end = 0, others = 0;
   for (; end < kCount && others < solid; ++end)
     others = row[static_cast<std::size_t>(end)] == Cell::kFree ? 0 : others + 1;
   if (others < solid) return;
   end -= others;
-  sight.free_width = kOwnWidth + end * kAcross;
+  section.free_width = kOwnWidth + end * kAcross;
   int seen = 0, vehicles = 0;
   const int beyond = std::min(kCount, end + static_cast<int>(std::lround(kLookedInto / kAcross)));
   for (int i = end; i < beyond; ++i) {
@@ -97,7 +97,7 @@ void LookOutward(const CellFinder& cells, RoadsideSight& sight) {
     vehicles += cell == Cell::kVehicle;
   }
   if (seen == 0 || row[static_cast<std::size_t>(end)] == Cell::kUnseen) return;
-  sight.end = vehicles > kVehicleShare * seen ? RoadsideEnd::kVehicle : RoadsideEnd::kOther;
+  section.end = vehicles > kVehicleShare * seen ? RoadsideEnd::kVehicle : RoadsideEnd::kOther;
 }
 
 Roadside LookAt(const CellFinder& cells, const std::vector<Vector3d>& places, double side) {
@@ -108,12 +108,12 @@ Roadside LookAt(const CellFinder& cells, const std::vector<Vector3d>& places, do
     const Vector3d &before = places[static_cast<std::size_t>(std::max(0, i - half))],
                    &after = places[static_cast<std::size_t>(std::min(count - 1, i + half))];
     const Vector2d along = (after - before).head<2>().normalized();
-    RoadsideSight sight{places[static_cast<std::size_t>(i)],
-                        side * Vector2d(along.y(), -along.x())};
-    LookOutward(cells, sight);
-    roadside.sights.push_back(sight);
+    RoadsideSection section{places[static_cast<std::size_t>(i)],
+                            side * Vector2d(along.y(), -along.x())};
+    LookOutward(cells, section);
+    roadside.sections.push_back(section);
   }
-  if (side < 0) std::reverse(roadside.sights.begin(), roadside.sights.end());
+  if (side < 0) std::reverse(roadside.sections.begin(), roadside.sections.end());
   return roadside;
 }
 

@@ -17,7 +17,7 @@ enum class RoadsideEnd {
 };
 
 /// What one place of a path has at one of its sides.
-struct RoadsideSight {
+struct RoadsideSection {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();    ///< [m] in site, on the path
   Eigen::Vector2d outward = Eigen::Vector2d::Zero();  ///< unit, across the path to that side
   double free_width = 0;                              ///< [m] of free ground, from the path outward
@@ -31,7 +31,7 @@ struct RoadsideSight {
 struct Roadside {
   static constexpr double kStep = 0.2;    ///< [m] along the path
   static constexpr double kReach = 10.0;  ///< [m] beside it
-  std::vector<RoadsideSight> sights;
+  std::vector<RoadsideSection> sections;
 };
 
 /// Both sides of every path. O(length of the paths). In parallel, the same every time.

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "server/ingest/drive/open_drive_log.h"
+#include "server/ingest/drive/stream_selection.h"
 #include "server/ingest/messages/image_decoding.h"
 #include "server/ingest/messages/message_decoding.h"
 #include "server/ingest/schemas/mapped_source.h"
@@ -81,7 +82,9 @@ class ImageBatch {
   };
 
   /// Masks of drivable ground are no images: they may well be dark.
-  static bool IsMaskTopic(const std::string& topic) { return topic.ends_with("/semantic"); }
+  static bool IsMaskTopic(const std::string& topic) {
+    return PlainTopic(topic).ends_with("/semantic");
+  }
 
   SensorStream StreamOf(std::size_t topic) const {
     SensorStream stream;

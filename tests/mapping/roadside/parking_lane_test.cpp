@@ -13,12 +13,12 @@ using Eigen::Vector3d;
 constexpr double kKerb = 4.0;  // [m] right of a path along x
 
 /// `end` and `free_width` by the place along the path [m].
-template <typename Sight>
-ParkingLane LaneOf(double length, const Sight& sight) {
+template <typename Section>
+ParkingLane LaneOf(double length, const Section& section) {
   Roadside roadside;
   for (double x = 0; x < length; x += Roadside::kStep) {
-    const auto [free_width, end] = sight(x);
-    roadside.sights.push_back({Vector3d(x, 0, 0.5), Vector2d(0, -1), free_width, end});
+    const auto [free_width, end] = section(x);
+    roadside.sections.push_back({Vector3d(x, 0, 0.5), Vector2d(0, -1), free_width, end});
   }
   return FindParkingLane(roadside);
 }

@@ -8,10 +8,10 @@ namespace parkade {
 namespace {
 
 /// What the right or the left side of the path has nearest to x [m].
-RoadsideSight SightAt(const Roadside& side, double x) {
-  RoadsideSight nearest = side.sights.front();
-  for (const RoadsideSight& sight : side.sights)
-    if (std::abs(sight.place.x() - x) < std::abs(nearest.place.x() - x)) nearest = sight;
+RoadsideSection SectionAt(const Roadside& side, double x) {
+  RoadsideSection nearest = side.sections.front();
+  for (const RoadsideSection& section : side.sections)
+    if (std::abs(section.place.x() - x) < std::abs(nearest.place.x() - x)) nearest = section;
   return nearest;
 }
 
@@ -20,8 +20,8 @@ TEST(LookBeside, FreeGroundEndsAtCarsAndKerbs) {
   const DrivenPath path = PathAlongStreet(32);
   const std::vector<Roadside> sides = LookBeside(CellFinder(surface), std::span(&path, 1));
   ASSERT_EQ(sides.size(), 2U);
-  const RoadsideSight car = SightAt(sides[0], 20), kerb = SightAt(sides[0], 26),
-                      left = SightAt(sides[1], 20);
+  const RoadsideSection car = SectionAt(sides[0], 20), kerb = SectionAt(sides[0], 26),
+                        left = SectionAt(sides[1], 20);
   EXPECT_EQ(car.end, RoadsideEnd::kVehicle);
   EXPECT_NEAR(car.free_width, 2.1, 0.11);
   EXPECT_NEAR(car.place.z(), 0.2, 1e-6) << "on the ground";
@@ -37,12 +37,12 @@ TEST(LookBeside, GoesOnBeyondTheEndsOfAPathWithTheRoadsideOnItsRight) {
   const DrivenPath path = PathAlongStreet(30);
   for (const Roadside& side : LookBeside(CellFinder(surface), std::span(&path, 1))) {
     const auto [low, high] =
-        std::minmax(side.sights.front().place.x(), side.sights.back().place.x());
+        std::minmax(side.sections.front().place.x(), side.sections.back().place.x());
     EXPECT_NEAR(low, 0, 0.2);
     EXPECT_NEAR(high, 38, 0.3);
     const Eigen::Vector2d along =
-        (side.sights.back().place - side.sights.front().place).head<2>().normalized();
-    EXPECT_NEAR(side.sights[50].outward.dot(Eigen::Vector2d(along.y(), -along.x())), 1, 1e-6);
+        (side.sections.back().place - side.sections.front().place).head<2>().normalized();
+    EXPECT_NEAR(side.sections[50].outward.dot(Eigen::Vector2d(along.y(), -along.x())), 1, 1e-6);
   }
 }
 
@@ -50,7 +50,8 @@ TEST(LookBeside, APlaceWithoutGroundIsUnseen) {
   const DrivenPath path = PathAlongStreet(30);
   const SurfaceMap nothing;
   for (const Roadside& side : LookBeside(CellFinder(nothing), std::span(&path, 1)))
-    for (const RoadsideSight& sight : side.sights) EXPECT_EQ(sight.end, RoadsideEnd::kUnseen);
+    for (const RoadsideSection& section : side.sections)
+      EXPECT_EQ(section.end, RoadsideEnd::kUnseen);
 }
 
 }  // namespace

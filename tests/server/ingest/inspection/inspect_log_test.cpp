@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "core/error.h"
+#include "server/ingest/writing/mcap_writer.h"
 #include "tests/server/ingest/drive/euroc_folder.h"
+#include "tests/server/ingest/messages/message_writer.h"
 #include "tests/support/api_description.h"
 
 namespace parkade {
@@ -111,6 +114,29 @@ TEST(InspectLog, WhatIsMissingForAMapIsSaidAndNoFaultOfTheLog) {
 
   EXPECT_EQ(inspection.ExitStatus(), 0);
   EXPECT_EQ(inspection.missing, std::vector<std::string>{"no rig: cam0/sensor.yaml is missing"});
+}
+
+TEST(InspectLog, MasksAreNoDarkImagesHoweverTheyArePacked) {
+  const TestFolder folder;
+  const fs::path file = folder.path() / "drive.mcap";
+  std::vector<std::uint8_t> black;
+  cv::imencode(".png", cv::Mat::zeros(64, 96, CV_8UC1), black);
+  McapWriter writer(file, "ros2");
+  for (const std::string topic : {"/cam0/compressed", "/cam0/semantic/compressed"}) {
+    const int channel = writer.AddChannel(topic, "sensor_msgs/msg/CompressedImage", "", "cdr");
+    for (std::int64_t i = 0; i < 60; ++i) {
+      const std::int64_t stamp = 1'700'000'000'000'000'000 + i * 100'000'000;
+      writer.Write(
+          channel, Timestamp{stamp},
+          CompressedImageBytes(MessageWriter(MessageEncoding::kCdr), stamp, "cam0", black));
+    }
+  }
+  writer.Close();
+
+  const std::string text = InspectionToText(InspectLog(file));
+
+  EXPECT_NE(text.find("/cam0/compressed: dark"), std::string::npos) << text;
+  EXPECT_EQ(text.find("semantic/compressed: "), std::string::npos) << text;
 }
 
 TEST(InspectLog, WithoutImuOrImagesTheLogIsUnusable) {
