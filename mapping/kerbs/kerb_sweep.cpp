@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <tuple>
 
 #include "core/parallel.h"
+#include "mapping/kerbs/samples_around.h"
 
 namespace parkade {
 namespace {
@@ -70,57 +70,6 @@ struct Heights {
     const double a = (at - from) / per_meter, b = (at - to) / per_meter;
     return {std::max(lowest, std::min(a, b)), std::min(highest, std::max(a, b))};
   }
-};
-
-/// The samples of a patch by the direction in which the camera sees them, in which they stay at any
-/// height.
-class SamplesAround {
- public:
-  SamplesAround(const PosedGroundPatch& posed, const Vector3d& eye) : eye_(eye) {
-    samples_.reserve(posed.patch.samples.size());
-    for (const GroundSample& sample : posed.patch.samples) {
-      const Vector3d ray = posed.site_from_body * sample.point_in_body.cast<double>() - eye;
-      samples_.push_back(
-          {std::atan2(ray.y(), ray.x()), ray.cast<float>(),
-           static_cast<float>(114 * sample.blue + 587 * sample.green + 299 * sample.red) / 1000});
-    }
-    std::sort(samples_.begin(), samples_.end(), [](const Sample& a, const Sample& b) {
-      return std::tie(a.azimuth, a.ray.x(), a.ray.y()) < std::tie(b.azimuth, b.ray.x(), b.ray.y());
-    });
-  }
-
-  /// Calls `visit(ray, gray)` with those in directions between those to some places; with all where
-  /// the camera is among these.
-  template <typename Visitor>
-  void VisitBetween(std::span<const Vector2d> places, const Visitor& visit) const {
-    const auto azimuth_of = [&](const Vector2d& place) {
-      const Vector2d ray = place - eye_.head<2>();
-      return std::atan2(ray.y(), ray.x());
-    };
-    const double first = azimuth_of(places.front());
-    double from = first, to = first;
-    for (const Vector2d& place : places) {
-      const double azimuth = first + std::remainder(azimuth_of(place) - first, 2 * M_PI);
-      from = std::min(from, azimuth), to = std::max(to, azimuth);
-    }
-    if (to - from >= M_PI) from = first - M_PI, to = first + M_PI;
-    for (const double turn : {-2 * M_PI, 0.0, 2 * M_PI}) {
-      auto at = std::lower_bound(
-          samples_.begin(), samples_.end(), from + turn,
-          [](const Sample& sample, double azimuth) { return sample.azimuth < azimuth; });
-      for (; at != samples_.end() && at->azimuth <= to + turn; ++at) visit(at->ray, at->gray);
-    }
-  }
-
- private:
-  struct Sample {
-    double azimuth = 0;   ///< [rad]
-    Eigen::Vector3f ray;  ///< [m] from the eye
-    float gray = 0;
-  };
-
-  Vector3d eye_;
-  std::vector<Sample> samples_;
 };
 
 /// The samples of a patch that show a strip at some height of the sweep.
