@@ -231,9 +231,11 @@ std::vector<std::optional<KerbStep>> MeasureSteps(std::span<const OutlineStrip> 
     const std::vector<std::size_t> around = Around(strips[i], along, KerbStep::kReach);
     std::optional<KerbStep> top = MeasuredTop(costs, i);
     const bool is_flat = top && top->height < min_height - 2 * top->sigma;
-    if (top && !IsLevel(SumOf(around, beyond, false, true), top->height)) top.reset();
+    const bool is_front = top && !IsLevel(SumOf(around, beyond, false, true), top->height);
+    if (is_front) top.reset();
     const bool is_near = beyond[i].num_views >= kMinViews;
-    if (!top && looks[i] == KerbLook::kKerb && is_near && !is_flat) top = TopOfKerb(costs, i);
+    if (!top && looks[i] == KerbLook::kKerb && is_near && !is_flat)
+      top = is_front ? KerbStep{kUsualKerb, kUsualDeviation} : TopOfKerb(costs, i);
     if (!top) continue;
     const std::optional<KerbStep> ground = GroundBefore(SumOf(around, before, true, true));
     if (ground) top->height -= ground->height;

@@ -224,6 +224,7 @@ std::vector<std::vector<std::size_t>> MakeBlocks(std::span<const OutlineStrip> s
             static_cast<int>(std::floor(strips[i].foot.x() / kBlock))}]
         .push_back(i);
   std::vector<std::vector<std::size_t>> list;
+  list.reserve(blocks.size());
   for (auto& [index, block] : blocks) list.push_back(std::move(block));
   return list;
 }
