@@ -10,6 +10,8 @@ void SimulateOptions::Validate() const {
   Require(day >= 0 && day <= 1000, ErrorCode::kUsage, "the day must be 0 to 1000");
   Require(speed_bumps >= 0 && speed_bumps <= 4, ErrorCode::kUsage,
           "the speed bumps must be 0 to 4");
+  Require(sun_elevation == 0 || (sun_elevation >= 5 && sun_elevation <= 90), ErrorCode::kUsage,
+          "the sun's elevation must be 5 to 90 degrees");
   Require(traffic >= 0 && traffic <= 50, ErrorCode::kUsage, "the traffic must be 0 to 50");
   Require(duration >= 10 && duration <= 3600, ErrorCode::kUsage,
           "the duration must be 10 to 3600 s");
@@ -36,6 +38,8 @@ SceneOptions SimulateOptions::OfScene() const {
   scene_options.speed_bumps = speed_bumps;
   scene_options.weather = weather;
   scene_options.looks = looks;
+  scene_options.sun_elevation = sun_elevation;
+  scene_options.has_own_car = has_own_car;
   return scene_options;
 }
 

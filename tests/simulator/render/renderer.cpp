@@ -148,7 +148,7 @@ void Renderer::Parts::LightNearOwnCar(const FastPose& body_from_world, SurfacePo
   const float beyond_x = std::max({-0.7f - in_body.x(), in_body.x() - 3.2f, 0.0f});
   const float beyond_y = std::max(std::abs(in_body.y()) - 0.85f, 0.0f);
   const float away = std::hypot(beyond_x, beyond_y) + std::max(0.0f, in_body.z());
-  if (away < 3) {
+  if (away < 3 && !scene.own_car.triangles.empty()) {
     const float left = 1 - 0.7f * std::exp(-away / 0.4f);
     point.ambient *= left;
     point.light *= left;

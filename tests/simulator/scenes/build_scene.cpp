@@ -19,7 +19,8 @@ Scene BuildLot(const Place& place, const SceneOptions& options) {
   const PlaceLook look = LookOf(options.looks, options.seed);
   const Weather weather = WeatherOf(options);
   Scene scene{.place = place,
-              .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather),
+              .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather,
+                         options.sun_elevation),
               .ground = MakeLotGround(layout, place.ground)};
   scene.ground_colors.push_back(PaintLot(layout, look.road, options.ground_texel, options.seed));
   Props props(scene.place.ground, options.seed, weather == Weather::kDusk, look, scene.materials);
@@ -48,6 +49,7 @@ Scene BuildScene(const std::string& name, const SceneOptions& options) {
                 : name == "street" ? BuildStreet(options)
                                    : BuildLot(place, options);
   AddWeather(WeatherOf(options), scene);
+  if (!options.has_own_car) return scene;
   const Mesh car = MakeCar(kOwnCarStyle, Mix64(options.seed), scene.materials);
   scene.own_car.Append(car, {Eigen::Quaterniond::Identity(), {-RearAxleX(kOwnCarStyle), 0, 0}});
   return scene;

@@ -56,9 +56,10 @@ void Sky::ChooseLight(Weather weather) {
   }
 }
 
-Sky::Sky(std::uint64_t seed, Weather weather) {
+Sky::Sky(std::uint64_t seed, Weather weather, double elevation_deg) {
   Random random(seed, 0x5c1);
-  const double elevation = random.Uniform(0.55, 0.95), azimuth = random.Uniform(0, 2 * M_PI);
+  const double usual = random.Uniform(0.55, 0.95), azimuth = random.Uniform(0, 2 * M_PI);
+  const double elevation = elevation_deg > 0 ? elevation_deg * M_PI / 180 : usual;
   sun_direction_ = Eigen::Vector3d(std::cos(elevation) * std::cos(azimuth),
                                    std::cos(elevation) * std::sin(azimuth), std::sin(elevation))
                        .cast<float>();

@@ -12,9 +12,9 @@ namespace parkade::simulator {
 /// The light from above: one sun and a sky with clouds, infinitely far away.
 class Sky {
  public:
-  /// The sun stands where the seed wants it, 30-55 degrees high. Clouds hide it when it is
-  /// overcast or wet; at dusk it has set.
-  explicit Sky(std::uint64_t seed, Weather weather = Weather::kDry);
+  /// The sun stands where the seed wants it, 30-55 degrees high unless `elevation_deg` is more than
+  /// 0. Clouds hide it when it is overcast or wet; at dusk it has set.
+  explicit Sky(std::uint64_t seed, Weather weather = Weather::kDry, double elevation_deg = 0);
 
   const Eigen::Vector3f& sun_direction() const {
     return sun_direction_;

@@ -226,7 +226,8 @@ Scene BuildStreet(const SceneOptions& options) {
   const PlaceLook look = LookOf(options.looks, options.seed);
   const Weather weather = WeatherOf(options);
   Scene scene{.place = MakeStreetPlace(layout, options),
-              .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather)};
+              .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather,
+                         options.sun_elevation)};
   scene.ground = MakeRoad(layout, scene.place.ground);
   scene.ground_colors.push_back(
       PaintStreet(layout, look.road, kCoarser * options.ground_texel, options.seed));
