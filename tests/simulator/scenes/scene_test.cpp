@@ -256,5 +256,26 @@ TEST_P(SurfaceTruth, KerbsBoundTheGroundThatLiesLeftOfThem) {
 
 INSTANTIATE_TEST_SUITE_P(Worlds, SurfaceTruth, testing::Values("lot", "garage", "street"));
 
+/// The same drive by a car that nobody sees.
+TEST(Scenes, ACarThatIsNotThereThrowsNoShadow) {
+  const SceneOptions with_car{.seed = 5, .ground_texel = 0.1, .weather = "dry"};
+  SceneOptions without = with_car;
+  without.has_own_car = false;
+  const DrivenScene driven("lot", with_car, 0), bare("lot", without, 0);
+  cv::Mat light, bare_light;
+  cv::cvtColor(driven.Take(1, 12).radiance, light, cv::COLOR_RGB2GRAY);
+  cv::cvtColor(bare.Take(1, 12).radiance, bare_light, cv::COLOR_RGB2GRAY);
+  const cv::Mat is_ground = driven.renderer->Mask(1);
+  EXPECT_GT(cv::countNonZero((light < 0.8 * bare_light) & is_ground), 500);
+  EXPECT_LT(cv::countNonZero((light > 1.05 * bare_light) & is_ground),
+            0.002 * cv::countNonZero(is_ground));
+}
+
+TEST(Scenes, TheSunStandsAsHighAsIsAskedFor) {
+  const Scene scene =
+      BuildScene("lot", {.seed = 5, .ground_texel = 0.2, .weather = "dry", .sun_elevation = 12});
+  EXPECT_NEAR(scene.sky.sun_direction().z(), std::sin(12 * M_PI / 180), 1e-6);
+}
+
 }  // namespace
 }  // namespace parkade::simulator
