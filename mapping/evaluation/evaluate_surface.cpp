@@ -21,7 +21,8 @@ constexpr double kSlopeReach = 0.5;  // [m] to each side, over which a slope is 
 
 double Percentile(const std::vector<double>& sorted, double percent) {
   if (sorted.empty()) return 0;
-  return sorted[static_cast<size_t>(percent / 100 * static_cast<double>(sorted.size() - 1) + 0.5)];
+  return sorted[static_cast<size_t>(
+      std::lround(percent / 100 * static_cast<double>(sorted.size() - 1)))];
 }
 
 double RootMeanSquare(const std::vector<double>& values) {

@@ -10,12 +10,13 @@
 namespace parkade {
 namespace {
 
-constexpr double kStep = 0.1;                        // [m] between places that are asked
-constexpr double kFirstRow = -0.25, kLastRow = 0.5;  // [m] beyond the outline: a kerb lies there
-constexpr double kBehind = 0.15, kFarBehind = 1.0;   // [m] what lies behind the kerb
-constexpr double kSameDeck = 1.0;                    // [m]
-constexpr double kClear = 0.5, kFaint = 0.2;         // beliefs
-constexpr double kSeenShare = 0.5;                   // of what lies behind
+constexpr double kStep = 0.1;                 // [m] between places that are asked
+constexpr double kFirstRow = -0.25;           // [m] beyond the outline
+constexpr int kRowsOfKerb = 8;                // among which a kerb lies
+constexpr int kRowsBefore = 4, kRows = 13;    // what lies behind it begins after the first
+constexpr double kSameDeck = 1.0;             // [m]
+constexpr double kClear = 0.5, kFaint = 0.2;  // beliefs
+constexpr double kSeenShare = 0.5;            // of what lies behind
 
 /// Mean beliefs of a row of cells along a strip.
 struct RowLook {
@@ -31,7 +32,9 @@ std::optional<RowLook> LookAtRow(const OutlineStrip& strip, double length, doubl
   };
   RowLook look;
   int count = 0;
-  for (double s = 0.5 * (kStep - length); s < 0.5 * length; s += kStep) {
+  const int num_places = std::max(1, static_cast<int>(std::lround(length / kStep)));
+  for (int i = 0; i < num_places; ++i) {
+    const double s = length * ((i + 0.5) / num_places - 0.5);
     const Eigen::Vector2d place =
         strip.foot.head<2>() + s * strip.along + outward * strip.Outward();
     const SurfaceCell* cell = cells.Find({place.x(), place.y(), strip.foot.z()});
@@ -51,17 +54,16 @@ std::optional<RowLook> LookAtRow(const OutlineStrip& strip, double length, doubl
 
 KerbLook LookAtStrip(const OutlineStrip& strip, double length, const CellFinder& cells) {
   double kerb = 0, raised = 0;
-  int num_behind = 0, num_rows_behind = 0;
-  for (double outward = kFirstRow; outward < kFarBehind; outward += kStep) {
-    const std::optional<RowLook> row = LookAtRow(strip, length, outward, cells);
-    if (row && outward < kLastRow) kerb = std::max(kerb, row->kerb);
-    if (outward < kBehind) continue;
-    ++num_rows_behind;
+  int num_behind = 0;
+  for (int i = 0; i < kRows; ++i) {
+    const std::optional<RowLook> row = LookAtRow(strip, length, kFirstRow + i * kStep, cells);
     if (!row) continue;
+    if (i < kRowsOfKerb) kerb = std::max(kerb, row->kerb);
+    if (i < kRowsBefore) continue;
     raised += row->raised;
     ++num_behind;
   }
-  if (num_behind < kSeenShare * num_rows_behind) return KerbLook::kUnknown;
+  if (num_behind < kSeenShare * (kRows - kRowsBefore)) return KerbLook::kUnknown;
   raised /= num_behind;
   if (kerb >= kClear && raised >= kClear) return KerbLook::kKerb;
   return kerb < kFaint && raised < kFaint ? KerbLook::kNone : KerbLook::kUnknown;

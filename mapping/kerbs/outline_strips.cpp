@@ -107,8 +107,11 @@ bool LayDown(const CellFinder& cells, double length, OutlineStrip& strip) {
   Vector3d products = Vector3d::Zero();
   double heights = 0, sigmas = 0;
   int count = 0;
-  for (double s = -0.5 * length; s <= 0.5 * length; s += kStep)
-    for (double u = kRim; u <= kInside; u += kStep) {
+  const int num_along = 1 + static_cast<int>(std::lround(length / kStep)),
+            num_across = 1 + static_cast<int>(std::lround((kInside - kRim) / kStep));
+  for (int i = 0; i < num_along; ++i)
+    for (int k = 0; k < num_across; ++k) {
+      const double s = i * kStep - 0.5 * length, u = kRim + k * kStep;
       const Vector2d place = strip.foot.head<2>() + s * strip.along - u * strip.Outward();
       const SurfaceCell* cell = cells.Find({place.x(), place.y(), strip.foot.z()});
       if (cell == nullptr || cell->free_belief < kFreeBelief) continue;

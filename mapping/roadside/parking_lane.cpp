@@ -94,11 +94,12 @@ ParkingLane FindParkingLane(const Roadside& roadside) {
     const double step = has_last ? (place - last).head<2>().norm() : 0;
     const double length = has_last ? step : 0;
     const LaneState state = StateOf(section, *kerb);
-    for (; left <= length; left += ParkingLane::kStep) {
+    while (left <= length) {
       const double share = length > 0 ? left / length : 0;
       lane.places.emplace_back(has_last ? Vector3d(last + share * (place - last)) : place);
       lane.states.push_back(step > 1 ? LaneState::kUnseen : state);
       lane.path_distances.push_back(distance);
+      left += ParkingLane::kStep;
     }
     left -= length;
     last = place, has_last = true;

@@ -51,12 +51,13 @@ std::vector<Vector3d> PlacesOf(const CellFinder& cells, const Trajectory& site_f
   double at = 0;
   for (std::size_t i = 1; i < corners.size(); ++i) {
     const double length = (corners[i] - corners[i - 1]).norm();
-    for (; at < length; at += Roadside::kStep) {
+    while (at < length) {
       Vector3d place = corners[i - 1] + at / length * (corners[i] - corners[i - 1]);
       const SurfaceCell* cell = cells.Find(place);
       if (cell != nullptr && std::abs(static_cast<double>(cell->height) - place.z()) < kMaxLift)
         place.z() = static_cast<double>(cell->height);
       places.push_back(place);
+      at += Roadside::kStep;
     }
     at -= length;
   }

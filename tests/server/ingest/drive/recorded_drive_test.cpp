@@ -19,7 +19,7 @@ struct LogPlan {
   std::string image_name = "/image_raw";
   int image_latency_ms = 0;  ///< how much later than its stamp an image stands in the log
   bool has_info = true, has_transforms = true, has_imu = true;
-  std::string distortion_model = "plumb_bob";
+  CameraInfoValues camera = {};
   bool has_twist = true;
 };
 
@@ -53,8 +53,7 @@ MemorySource MakeLog(const LogPlan& plan, MessageEncoding encoding = MessageEnco
       const std::string& camera = plan.cameras[i];
       if (plan.has_info)
         log.Add(camera + "/camera_info", "sensor_msgs/CameraInfo", now,
-                CameraInfoBytes(log.Writer(), stamp, camera.substr(1),
-                                {.model = plan.distortion_model}));
+                CameraInfoBytes(log.Writer(), stamp, camera.substr(1), plan.camera));
       ImageValues image{64, 48, 64, "mono8", false, std::vector<std::uint8_t>(64 * 48)};
       std::fill(image.data.begin(), image.data.end(), static_cast<std::uint8_t>(stamp_ms / 50));
       log.Add(camera + plan.image_name, "sensor_msgs/Image", now,
@@ -203,11 +202,13 @@ TEST(RecordedDrive, ATopicMayBeNamedAsItsCamera) {
 
 TEST(RecordedDrive, VendorsSpellingsOfTheFisheyeLensAreKnown) {
   for (const std::string spelling : {"equidistant", "fisheye", "kannala_brandt"}) {
-    const auto drive = Open(MakeLog({.distortion_model = spelling}));
+    // Some vendors write a fifth coefficient, which is 0.
+    const CameraInfoValues lens{.model = spelling, .distortion = {-0.1, 0.01, 0.001, 0.002, 0}};
+    const auto drive = Open(MakeLog({.camera = lens}));
     EXPECT_TRUE(std::holds_alternative<KannalaBrandtProjection>(
         drive->rig().cameras[0].model.projection()));
   }
-  EXPECT_EQ(WhatOpeningThrows(MakeLog({.distortion_model = "thin_prism"})),
+  EXPECT_EQ(WhatOpeningThrows(MakeLog({.camera = {.model = "thin_prism"}})),
             "camera /cam_front has the distortion model 'thin_prism', which Parkade does not know: "
             "bring a rig");
 }
