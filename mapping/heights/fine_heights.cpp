@@ -5,7 +5,6 @@
 #include <optional>
 #include <tuple>
 
-#include "core/statistics.h"
 #include "mapping/ground/patch_index.h"
 #include "mapping/heights/height_sweep.h"
 #include "mapping/heights/scanline_costs.h"
@@ -15,19 +14,16 @@ namespace {
 
 constexpr double kLowest = -0.2, kHighest = 0.35;  // [m] from the field
 constexpr double kStep = 0.0125;                   // [m]
-constexpr double kMinParallax = 0.8;   // [m per meter of height] views from one side agree anywhere
-constexpr double kMinFreedom = 12;     // samples of a window less its cells
-constexpr double kFineFreedom = 60;    // from which its small cells tell more than larger ones
-constexpr double kMaxFreedom = 60;     // neighbors keep their say, however many samples there are
-constexpr double kLeastMisfit = 0.05;  // lower ones say no more
-constexpr double kNoise = 1.0;         // [gray values] that views differ by for other reasons
-constexpr double kLeastSigma = 0.01;   // [m] at best
-constexpr double kMaxSigma = 0.06;     // [m] ground that is known less well is not known
-constexpr float kMinEvidence = 1;      // [nats] of a window itself
-constexpr double kMaxJump = 0.025;     // [m] of offset between windows that agree
-constexpr int kMinSupport = 2;         // windows around one that agree with it
-constexpr double kSameDeck = 1.0;      // [m] between cars that looked at a window
-constexpr double kShared = 2;          // windows whose errors are much the same
+constexpr double kMinParallax = 0.8;  // [m per meter of height] views from one side agree anywhere
+constexpr double kFineFreedom = 60;   // from which its small cells tell more than larger ones
+constexpr double kMaxFreedom = 60;    // neighbors keep their say, however many samples there are
+constexpr double kLeastSigma = 0.01;  // [m] at best
+constexpr double kMaxSigma = 0.06;    // [m] ground that is known less well is not known
+constexpr float kMinEvidence = 1;     // [nats] of a window itself
+constexpr double kMaxJump = 0.025;    // [m] of offset between windows that agree
+constexpr int kMinSupport = 2;        // windows around one that agree with it
+constexpr double kSameDeck = 1.0;     // [m] between cars that looked at a window
+constexpr double kShared = 2;         // windows whose errors are much the same
 
 std::vector<float> OffsetsOfSweep() {
   std::vector<float> offsets;
@@ -36,28 +32,12 @@ std::vector<float> OffsetsOfSweep() {
   return offsets;
 }
 
-/// Samples less the cells' means that they gave, usually.
-double FreedomOf(const std::vector<Agreement>& agreements) {
-  std::vector<double> freedoms;
-  freedoms.reserve(agreements.size());
-  for (const Agreement& at : agreements) freedoms.push_back(at.num_samples - at.num_cells);
-  return Median(std::move(freedoms));
-}
-
-/// [nats] what a window says against each height: the logarithm of a variance is distributed as if
-/// it had been estimated from the samples that are not spent on the cells' means.
+/// Puts costs in the place of what was seen.
 void Judge(SweptWindow& window) {
-  window.costs.assign(window.agreements.size(), 0);
   const bool is_fine = FreedomOf(window.agreements) >= kFineFreedom;
-  const std::vector<Agreement>& agreements = is_fine ? window.agreements : window.coarse;
-  const double usual = FreedomOf(agreements);
-  if (window.parallax >= kMinParallax && usual >= kMinFreedom) {
-    const double freedom = std::min(usual / kViewCorrelation, kMaxFreedom);
-    const std::vector<double> misfits = MisfitsOf(agreements, kNoise * kNoise, 0.5 * usual);
-    for (std::size_t i = 0; i < misfits.size(); ++i)
-      window.costs[i] =
-          static_cast<float>(0.5 * freedom * std::log(std::max(misfits[i], kLeastMisfit)));
-  }
+  window.costs.assign(window.agreements.size(), 0);
+  if (window.parallax >= kMinParallax)
+    window.costs = CostsOf(is_fine ? window.agreements : window.coarse, kMaxFreedom);
   window.agreements = {}, window.coarse = {};
 }
 

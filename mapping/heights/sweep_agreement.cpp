@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/statistics.h"
 
@@ -76,6 +77,27 @@ std::optional<SweepMinimum> FitMinimum(std::span<const double> misfits, std::siz
   // step^2.
   return SweepMinimum{0.5 * step * (before - after) / curvature,
                       kViewCorrelation * 2 * here * step * step / (curvature * freedom)};
+}
+
+double FreedomOf(std::span<const Agreement> agreements) {
+  std::vector<double> freedoms;
+  freedoms.reserve(agreements.size());
+  for (const Agreement& at : agreements) freedoms.push_back(at.num_samples - at.num_cells);
+  return Median(std::move(freedoms));
+}
+
+std::vector<float> CostsOf(std::span<const Agreement> agreements, double max_freedom) {
+  constexpr double kMinFreedom = 12;
+  constexpr double kLeastMisfit = 0.05;  // lower ones say no more
+  constexpr double kNoise = 1.0;         // [gray values] that views differ by for other reasons
+  std::vector<float> costs(agreements.size());
+  const double usual = FreedomOf(agreements);
+  if (usual < kMinFreedom) return costs;
+  const double freedom = std::min(usual / kViewCorrelation, max_freedom);
+  const std::vector<double> misfits = MisfitsOf(agreements, kNoise * kNoise, 0.5 * usual);
+  for (std::size_t i = 0; i < costs.size(); ++i)
+    costs[i] = static_cast<float>(0.5 * freedom * std::log(std::max(misfits[i], kLeastMisfit)));
+  return costs;
 }
 
 }  // namespace parkade

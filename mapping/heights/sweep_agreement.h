@@ -65,4 +65,12 @@ std::optional<SweepMinimum> FitMinimum(std::span<const double> misfits, std::siz
 /// By how much samples of one view, which are not independent, raise variances.
 inline constexpr double kViewCorrelation = 4.0;
 
+/// Samples less the cells' means that they gave, usually.
+double FreedomOf(std::span<const Agreement> agreements);
+
+/// [nats] what a sweep says against each height: the logarithm of a variance is distributed as if
+/// it had been estimated from the samples that are not spent on the cells' means, `max_freedom` of
+/// them at most. All 0 where too little is seen.
+std::vector<float> CostsOf(std::span<const Agreement> agreements, double max_freedom);
+
 }  // namespace parkade

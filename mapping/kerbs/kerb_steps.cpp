@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "core/statistics.h"
 #include "mapping/heights/scanline_costs.h"
 #include "mapping/heights/sweep_agreement.h"
 #include "mapping/kerbs/kerb_sweep.h"
@@ -15,13 +14,10 @@ namespace {
 constexpr StripWindow kBeyond{
     0.05, -0.06, KerbStep::kMaxHeight};             // what lies nearer may be the front of the step
 constexpr StripWindow kBefore{-0.65, -0.08, 0.08};  // the rim may be of something else
-constexpr double kNoise = 1.0;         // [gray values] that views differ by for other reasons
-constexpr double kMinParallax = 1.0;   // [m per meter of height] views from one side agree anywhere
-constexpr double kMinFreedom = 12;     // samples of a strip less its cells
-constexpr double kMaxFreedom = 40;     // neighbors keep their say, however many samples there are
-constexpr double kLeastMisfit = 0.05;  // lower ones say no more
-constexpr float kMinEvidence = 0.5F;   // [nats] of a strip itself
-constexpr double kMaxSigma = 0.015;    // [m]
+constexpr double kMinParallax = 1.0;  // [m per meter of height] views from one side agree anywhere
+constexpr double kMaxFreedom = 40;    // neighbors keep their say, however many samples there are
+constexpr float kMinEvidence = 0.5F;  // [nats] of a strip itself
+constexpr double kMaxSigma = 0.015;   // [m]
 constexpr StepPenalties kAlongKerbs{1.2F, 5};
 constexpr float kUsualKerb = 0.12F, kUsualDeviation = 0.04F;  // [m]
 constexpr int kMaxChainGap = 3;  // strips from one to the next of a chain
@@ -78,22 +74,11 @@ Misfits MisfitsOf(const std::vector<Agreement>& agreements) {
 
 /// [nats] what a strip says against each height; all 0 where it says nothing.
 std::vector<float> CostsOf(const SweptStrip& swept) {
-  std::vector<float> costs(static_cast<std::size_t>(kBeyond.NumHeights()));
   if (swept.num_views < kMinViews || swept.parallax < kMinParallax || swept.near_outline.empty())
-    return costs;
+    return std::vector<float>(static_cast<std::size_t>(kBeyond.NumHeights()));
   std::vector<Agreement> agreements = swept.near_outline;
-  std::vector<double> freedoms;
-  for (std::size_t i = 0; i < agreements.size(); ++i) {
-    agreements[i].Add(swept.far_off[i]);
-    freedoms.push_back(agreements[i].num_samples - agreements[i].num_cells);
-  }
-  const double usual = Median(std::move(freedoms));
-  if (usual < kMinFreedom) return costs;
-  const double freedom = std::min(usual / kViewCorrelation, kMaxFreedom);
-  const std::vector<double> misfits = MisfitsOf(agreements, kNoise * kNoise, 0.5 * usual);
-  for (std::size_t i = 0; i < costs.size(); ++i)
-    costs[i] = static_cast<float>(0.5 * freedom * std::log(std::max(misfits[i], kLeastMisfit)));
-  return costs;
+  for (std::size_t i = 0; i < agreements.size(); ++i) agreements[i].Add(swept.far_off[i]);
+  return CostsOf(agreements, kMaxFreedom);
 }
 
 /// The strip before each one along its outline, or -1.

@@ -13,7 +13,6 @@ using Eigen::Vector3d;
 
 constexpr double kMaxShare = 0.25;      // of a slot that another one may cover
 constexpr double kMaxHeightStep = 1.2;  // [m] between slots of one deck
-constexpr double kMaxBend = 0.94;       // cosine between the ends of a slot's lane
 
 /// The rectangle of a slot, unless its lane bends there.
 std::vector<RoadsideSlot> SlotsOf(const ParkingLane& lane) {

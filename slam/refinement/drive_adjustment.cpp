@@ -44,6 +44,7 @@ int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
 std::optional<Eigen::MatrixXd> DriveAdjustment::PoseCovariance(const std::vector<size_t>& nodes) {
   DriveGraph graph(drive_, {0, drive_.nodes.size(), false, true}, BearingWeight());
   std::vector<const double*> poses;
+  poses.reserve(nodes.size());
   for (const size_t node : nodes) poses.push_back(drive_.nodes[node].pose);
   const std::vector<double*>& landmarks = graph.graph().landmarks();
   return MarginalCovariance(graph.graph().problem(), {landmarks.begin(), landmarks.end()}, poses);
