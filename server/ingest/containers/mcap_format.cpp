@@ -3,30 +3,15 @@
 #include <limits>
 
 #include "server/ingest/containers/log_format.h"
+#include "server/ingest/writing/mcap_records.h"
 
 namespace parkade {
 namespace {
 
-// Opcodes and layouts of mcap.dev/spec.
-enum Opcode : std::uint8_t {
-  kHeader = 1,
-  kFooter = 2,
-  kSchema = 3,
-  kChannel = 4,
-  kMessage = 5,
-  kChunk = 6,
-  kMessageIndex = 7,
-  kChunkIndex = 8,
-  kAttachment = 9,
-  kAttachmentIndex = 10,
-  kStatistics = 11,
-  kMetadata = 12,
-  kMetadataIndex = 13,
-  kSummaryOffset = 14,
-  kDataEnd = 15,
-};
+using Opcode = McapRecord::Opcode;
+using enum McapRecord::Opcode;
 
-constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+constexpr const auto& kMagic = McapRecord::kMagic;
 constexpr std::uint64_t kPrefixSize = 9;   // opcode, length
 constexpr std::uint64_t kFooterSize = 20;  // without prefix
 

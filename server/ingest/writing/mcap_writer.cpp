@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include "core/file_error.h"
+#include "server/ingest/writing/mcap_records.h"
 
 namespace parkade {
 namespace {
@@ -13,20 +14,10 @@ std::string SchemaEncoding(const std::string& message_encoding) {
   return message_encoding == "cdr" ? "ros2msg" : message_encoding;
 }
 
-enum Opcode : std::uint8_t {
-  kHeader = 1,
-  kFooter = 2,
-  kSchema = 3,
-  kChannel = 4,
-  kMessage = 5,
-  kChunk = 6,
-  kMessageIndex = 7,
-  kChunkIndex = 8,
-  kStatistics = 11,
-  kDataEnd = 15,
-};
+using Opcode = McapRecord::Opcode;
+using enum McapRecord::Opcode;
 
-constexpr std::array<std::uint8_t, 8> kMagic = {0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+constexpr const auto& kMagic = McapRecord::kMagic;
 
 std::uint32_t UpdateCrc(std::uint32_t crc, std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint32_t>(crc32_z(crc, bytes.data(), bytes.size()));
