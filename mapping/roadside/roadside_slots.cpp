@@ -13,8 +13,10 @@ using Eigen::Vector3d;
 
 constexpr double kMaxShare = 0.25;      // of a slot that another one may cover
 constexpr double kMaxHeightStep = 1.2;  // [m] between slots of one deck
+constexpr double kNear = 15;            // [m] slots farther apart share no ground
+constexpr double kMinChord = 0.7;       // of the lane's length within a slot: less is a bend
 
-/// The rectangle of a slot, unless its lane bends there.
+/// The rectangles of a lane's slots, but for those at which it bends.
 std::vector<RoadsideSlot> SlotsOf(const ParkingLane& lane) {
   std::vector<RoadsideSlot> slots;
   const int count = static_cast<int>(lane.places.size());
@@ -28,7 +30,7 @@ std::vector<RoadsideSlot> SlotsOf(const ParkingLane& lane) {
     const Vector2d begin = place(found.Middle() - quarter).head<2>(),
                    end = place(found.Middle() + quarter).head<2>();
     const Vector3d middle = place(found.Middle());
-    if ((end - begin).norm() < 1.4 * quarter) continue;
+    if ((end - begin).norm() < kMinChord * 2 * quarter) continue;
     const Vector2d along = (end - begin).normalized(), left(-along.y(), along.x());
     const Vector2d center = middle.head<2>(), length = 2 * quarter * along,
                    width = 0.5 * ParkingLane::kWidth * left;
@@ -43,7 +45,7 @@ std::vector<RoadsideSlot> SlotsOf(const ParkingLane& lane) {
 
 bool Excludes(const RoadsideSlot& a, const RoadsideSlot& b) {
   return std::abs(a.height - b.height) < kMaxHeightStep &&
-         (a.corners[0] - b.corners[0]).norm() < 15 &&
+         (a.corners[0] - b.corners[0]).norm() < kNear &&
          SharedArea(a.corners, b.corners) >
              kMaxShare * std::min(SignedArea(a.corners), SignedArea(b.corners));
 }
