@@ -3,7 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <optional>
+
+#include "server/ingest/checks/camera_speeds.h"
+#include "server/ingest/checks/gyroscope_findings.h"
+#include "server/ingest/checks/pair_motion.h"
 
 namespace parkade {
 namespace {
@@ -20,14 +25,7 @@ struct Hypothesis {
   size_t camera = 0;  ///< of the rig, whose lens and place it has
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> pixel = nullptr;  ///< of the true image
   double rotation_sign = 1, speed_sign = 1;
-};
-
-/// Points of a camera that move as foretold, and all that were looked at.
-struct Agreement {
-  int num_agreeing = 0, num_points = 0;
-  double share() const {
-    return num_points == 0 ? 0 : static_cast<double>(num_agreeing) / num_points;
-  }
+  bool skips_still = true;  ///< pairs of an image that is repeated
 };
 
 }  // namespace
@@ -35,52 +33,35 @@ struct Agreement {
 /// Judges the pairs of cameras by the gyroscope's rotations and the wheels' speeds.
 class MotionJudge {
  public:
-  MotionJudge(const CameraChecks& checks, const SpeedHistory& wheels)
-      : checks_(checks), wheels_(wheels) {}
+  MotionJudge(const CameraChecks& checks, const GyroscopeHistory& gyroscope,
+              const SpeedHistory& wheels)
+      : checks_(checks), gyroscope_(gyroscope), wheels_(wheels) {}
 
-  Agreement Judge(size_t camera, const Hypothesis& hypothesis) const {
-    Agreement agreement;
+  PointAgreement Judge(size_t camera, const Hypothesis& hypothesis) const {
+    PointAgreement agreement;
     size_t hint = 0, rate = 0;
     for (const ImagePair& pair : checks_.pairs_[camera].pairs()) {
       const std::optional<WheelSample> wheels = wheels_.Near(pair.first, hint);
-      const std::optional<Eigen::Quaterniond> turn = Rotation(pair, rate);
+      const std::optional<Eigen::Quaterniond> turn =
+          gyroscope_.Rotation(pair.first, pair.second, rate);
       if (!wheels || !turn || std::abs(wheels->forward_speed) < kMinSpeed) continue;
+      if (hypothesis.skips_still && pair.IsStill()) continue;
       JudgePair(pair, *turn, wheels->forward_speed, hypothesis, agreement);
     }
     return agreement;
   }
 
  private:
-  /// first_from_second of the IMU, by the trapezoids of its rates.
-  std::optional<Eigen::Quaterniond> Rotation(const ImagePair& pair, size_t& hint) const {
-    const auto& rates = checks_.gyroscope_;
-    while (hint + 1 < rates.size() && rates[hint + 1].time <= pair.first) ++hint;
-    Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
-    for (size_t i = hint; i + 1 < rates.size(); ++i) {
-      const Timestamp begin = std::max(rates[i].time, pair.first),
-                      end = std::min(rates[i + 1].time, pair.second);
-      if (rates[i + 1].time - rates[i].time > 0.1) return std::nullopt;
-      turn = turn * ExpSo3(0.5 * (rates[i].rate + rates[i + 1].rate) * (end - begin));
-      if (rates[i + 1].time >= pair.second) return turn;
-    }
-    return std::nullopt;
-  }
-
   void JudgePair(const ImagePair& pair, const Eigen::Quaterniond& turn_of_imu, double speed,
-                 const Hypothesis& hypothesis, Agreement& agreement) const {
+                 const Hypothesis& hypothesis, PointAgreement& agreement) const {
     const Rig& rig = checks_.rig_;
     const RigCamera& camera = rig.cameras[hypothesis.camera];
     const Eigen::Quaterniond turn = ExpSo3(hypothesis.rotation_sign * LogSo3(turn_of_imu));
     const Eigen::Quaterniond body_turn =
         rig.body_from_imu.rotation * turn * rig.body_from_imu.rotation.conjugate();
     const Eigen::Quaterniond& body_from_camera = camera.body_from_camera.rotation;
-    // The rear axle follows the chord of its arc; the camera swings about it.
-    const Eigen::Vector3d lever = camera.body_from_camera.translation;
-    const Eigen::Vector3d moved =
-        ExpSo3(0.5 * LogSo3(body_turn)) *
-            Eigen::Vector3d(hypothesis.speed_sign * speed * (pair.second - pair.first), 0, 0) +
-        body_turn * lever - lever;
-    const Eigen::Vector3d way = (body_from_camera.conjugate() * moved).normalized();
+    const Eigen::Vector3d way =
+        WayOfCamera(camera, body_turn, hypothesis.speed_sign * speed * (pair.second - pair.first));
     const Eigen::Quaterniond first_from_second =
         body_from_camera.conjugate() * body_turn * body_from_camera;
     const auto ray = [&](const Eigen::Vector2d& pixel) {
@@ -103,6 +84,7 @@ class MotionJudge {
   }
 
   const CameraChecks& checks_;
+  const GyroscopeHistory& gyroscope_;
   const SpeedHistory& wheels_;
 };
 
@@ -135,32 +117,39 @@ std::vector<Explanation> ExplanationsOf(const Rig& rig, size_t camera) {
 
 /// Whether nothing moves in a camera's images.
 bool IsFrozen(const ImagePairs& pairs) {
-  constexpr double kStill = 0.1;  // [px]
-  double num_still = 0, count = 0;
-  for (const ImagePair& pair : pairs.pairs())
-    for (size_t i = 0; i < pair.from.size(); ++i, ++count)
-      num_still += (pair.to[i] - pair.from[i]).norm() < kStill ? 1 : 0;
-  return count > 0 && num_still > 0.95 * count;
+  return !pairs.pairs().empty() &&
+         std::all_of(pairs.pairs().begin(), pairs.pairs().end(),
+                     [](const ImagePair& pair) { return pair.IsStill(); });
 }
 
-/// What was found about one camera.
-struct Verdict {
-  Agreement agreement;
-  std::string looks_like;  ///< the best explanation; empty: none
-  bool is_judged = false, is_wrong = false;
-};
+/// Whether hardly any corner of an image is found again in the next.
+bool ShowsNoise(const ImagePairs& pairs) {
+  constexpr std::size_t kManyCorners = 200;
+  std::size_t num_corners = 0, num_found = 0;
+  for (const ImagePair& pair : pairs.pairs()) {
+    num_corners += pair.num_corners;
+    num_found += pair.from.size();
+  }
+  return num_corners >= kManyCorners && 4 * num_found < num_corners;
+}
 
-Verdict VerdictOn(const MotionJudge& judge, const Rig& rig, size_t camera,
-                  const ImagePairs& pairs) {
+CameraVerdict VerdictOn(const MotionJudge& judge, const Rig& rig, size_t camera,
+                        const ImagePairs& pairs) {
   constexpr double kMuchBetter = 0.25;  // share of points, by which an explanation must win
-  Verdict verdict;
-  verdict.agreement = judge.Judge(camera, {.camera = camera});
+  CameraVerdict verdict;
+  if (ShowsNoise(pairs)) {
+    verdict.is_noise = true;
+    verdict.looks_like = "nothing of an image is found again in the next";
+    return verdict;
+  }
+  const bool is_frozen = IsFrozen(pairs);
+  verdict.agreement = judge.Judge(camera, {.camera = camera, .skips_still = !is_frozen});
   verdict.is_judged = verdict.agreement.num_points >= kMinPoints;
   if (!verdict.is_judged) return verdict;
   const double own = verdict.agreement.share();
   double best = std::max(kAgrees, own + kMuchBetter);
   verdict.is_wrong = own < kContradicts;
-  if (IsFrozen(pairs)) {
+  if (is_frozen) {
     verdict.looks_like = "its image does not change";
     verdict.is_wrong = true;
     return verdict;
@@ -175,12 +164,21 @@ Verdict VerdictOn(const MotionJudge& judge, const Rig& rig, size_t camera,
   return verdict;
 }
 
-std::map<std::string, double> EvidenceOf(const Verdict& verdict) {
+/// Whether every camera moves as the car would if the wheels' speed had the other sign.
+bool FitReversed(const MotionJudge& judge, const std::vector<CameraVerdict>& verdicts) {
+  for (size_t camera = 0; camera < verdicts.size(); ++camera)
+    if (verdicts[camera].is_judged &&
+        judge.Judge(camera, {.camera = camera, .speed_sign = -1}).share() <= kAgrees)
+      return false;
+  return true;
+}
+
+std::map<std::string, double> EvidenceOf(const CameraVerdict& verdict) {
   return {{"agreeing_points", verdict.agreement.share()},
           {"points", static_cast<double>(verdict.agreement.num_points)}};
 }
 
-Finding LeftOut(const Verdict& verdict, const std::string& camera, const std::string& topic) {
+Finding LeftOut(const CameraVerdict& verdict, const std::string& camera, const std::string& topic) {
   const std::string guess =
       verdict.looks_like.empty() ? "" : ": " + verdict.looks_like + ", as it seems";
   return {kCameraContradicts,
@@ -206,27 +204,83 @@ void CameraChecks::IncludeImage(int camera, Timestamp time, const cv::Mat& image
   pairs_[static_cast<size_t>(camera)].Include(time, image);
 }
 
+SpeedHistory CameraChecks::Speeds() const {
+  return rig_.vehicle ? SpeedsByCameras(rig_, pairs_) : SpeedHistory();
+}
+
+int CameraChecks::NumMovingAtRest(const SpeedHistory& wheels) const {
+  constexpr double kMoving = 0.005;                     // of the image's width, that points move
+  constexpr double kMoment = 0.3;                       // [s]
+  std::map<std::int64_t, std::pair<int, int>> moments;  // cameras that move, all
+  for (size_t camera = 0; camera < pairs_.size(); ++camera) {
+    size_t first_hint = 0, second_hint = 0;
+    for (const ImagePair& pair : pairs_[camera].pairs()) {
+      const auto first = wheels.Near(pair.first, first_hint),
+                 second = wheels.Near(pair.second, second_hint);
+      if (!first || !second || first->forward_speed != 0 || second->forward_speed != 0) continue;
+      const double since = pair.first - wheels.samples().front().time;
+      auto& [num_moving, num_cameras] = moments[static_cast<std::int64_t>(since / kMoment)];
+      ++num_cameras;
+      num_moving += pair.MedianMotion() > kMoving * rig_.cameras[camera].model.width() ? 1 : 0;
+    }
+  }
+  return static_cast<int>(std::count_if(moments.begin(), moments.end(), [](const auto& moment) {
+    return 2 * moment.second.first > moment.second.second;
+  }));
+}
+
+CameraChecks::Verdicts CameraChecks::VerdictsBy(const GyroscopeHistory& gyroscope,
+                                                const SpeedHistory& wheels) const {
+  const MotionJudge judge(*this, gyroscope, wheels);
+  Verdicts verdicts;
+  verdicts.cameras.reserve(pairs_.size());
+  verdicts.right.reserve(pairs_.size());
+  for (size_t camera = 0; camera < pairs_.size(); ++camera) {
+    verdicts.cameras.push_back(VerdictOn(judge, rig_, camera, pairs_[camera]));
+    const CameraVerdict& verdict = verdicts.cameras.back();
+    verdicts.right.push_back(verdict.is_wrong || verdict.is_noise ? nullptr : &pairs_[camera]);
+    verdicts.num_wrong += verdict.is_wrong ? 1 : 0;
+    verdicts.num_judged += verdict.is_judged ? 1 : 0;
+  }
+  verdicts.fit_reversed_wheels = verdicts.AreAllWrong() && FitReversed(judge, verdicts.cameras);
+  return verdicts;
+}
+
 std::vector<Finding> CameraChecks::Findings(const SpeedHistory& wheels,
-                                            const std::vector<std::string>& topics) const {
+                                            const std::vector<std::string>& topics,
+                                            const std::string& imu_topic) const {
   if (!rig_.vehicle || topics.empty() || wheels.empty() || wheels.IsAlwaysZero()) return {};
-  const MotionJudge judge(*this, wheels);
-  std::vector<Verdict> verdicts;
-  for (size_t camera = 0; camera < topics.size(); ++camera)
-    verdicts.push_back(VerdictOn(judge, rig_, camera, pairs_[camera]));
-  const auto count = [&](bool Verdict::*what) {
-    return std::count_if(verdicts.begin(), verdicts.end(),
-                         [&](const Verdict& verdict) { return verdict.*what; });
-  };
-  const bool are_all_wrong = count(&Verdict::is_wrong) == count(&Verdict::is_judged);
-  // Speeds with the wrong sign make all cameras contradict, which the trajectory tells better.
-  if (are_all_wrong && judge.Judge(0, {.camera = 0, .speed_sign = -1}).share() > kAgrees) return {};
+  GyroscopeHistory gyroscope = gyroscope_;
+  Verdicts verdicts = VerdictsBy(gyroscope, wheels);
   std::vector<Finding> findings;
-  for (size_t camera = 0; camera < verdicts.size(); ++camera) {
-    const Verdict& verdict = verdicts[camera];
-    if (!verdict.is_wrong) continue;
-    if (!are_all_wrong)
+  if (verdicts.num_wrong > 0) {
+    // A gyroscope that reads a large rate at rest makes sound cameras look wrong.
+    std::vector<const ImagePairs*> all;
+    all.reserve(pairs_.size());
+    for (const ImagePairs& pairs : pairs_) all.push_back(&pairs);
+    const auto fit = FitGyroscope(rig_, all, gyroscope, wheels);
+    const auto bias = fit ? CheckBias(*fit, imu_topic) : std::nullopt;
+    Verdicts others = bias ? VerdictsBy(gyroscope_.Without(fit->bias), wheels) : verdicts;
+    if (others.num_wrong < verdicts.num_wrong) {
+      findings.push_back(*bias);
+      verdicts = std::move(others);
+      gyroscope = gyroscope_.Without(fit->bias);
+    }
+  }
+  // Speeds with the wrong sign make all cameras contradict, which the trajectory tells better.
+  if (verdicts.fit_reversed_wheels) return {};
+  if (const auto fit = FitGyroscope(rig_, verdicts.right, gyroscope, wheels)) {
+    if (const auto bias = CheckBias(*fit, imu_topic)) findings.push_back(*bias);
+    for (Finding& finding : CheckGyroscope(*fit, imu_topic)) findings.push_back(std::move(finding));
+  }
+  if (!TextsOf(findings, Severity::kUnusable).empty()) return findings;
+  const bool may_blame_all = verdicts.AreAllWrong() && findings.empty();
+  for (size_t camera = 0; camera < topics.size(); ++camera) {
+    const CameraVerdict& verdict = verdicts.cameras[camera];
+    if (!verdict.is_wrong && !verdict.is_noise) continue;
+    if (!verdicts.AreAllWrong())
       findings.push_back(LeftOut(verdict, rig_.cameras[camera].name, topics[camera]));
-    else if (!verdict.looks_like.empty() && findings.empty())
+    else if (!verdict.looks_like.empty() && !verdict.is_noise && may_blame_all && findings.empty())
       findings.push_back({"cameras_contradict", Severity::kUnusable, "",
                           "what the cameras see does not move as IMU and wheels say: of " +
                               rig_.cameras[camera].name + " " + verdict.looks_like +

@@ -4,10 +4,21 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-
-#include "core/error.h"
+#include <utility>
 
 namespace parkade {
+
+Finding WarningOf(std::string name, std::string sentence, std::string advice,
+                  std::map<std::string, double> evidence) {
+  return {std::move(name),     Severity::kWarning, "",
+          std::move(sentence), std::move(advice),  std::move(evidence)};
+}
+
+Finding UnusableOf(std::string name, std::string sentence, std::string advice,
+                   std::map<std::string, double> evidence) {
+  return {std::move(name),     Severity::kUnusable, "",
+          std::move(sentence), std::move(advice),   std::move(evidence)};
+}
 
 const char* NameOf(Severity severity) {
   switch (severity) {
@@ -66,7 +77,7 @@ void RequireUsable(const std::vector<Finding>& findings) {
   std::string all;
   for (const std::string& text : TextsOf(findings, Severity::kUnusable))
     all += (all.empty() ? "" : "; ") + text;
-  Require(all.empty(), ErrorCode::kInvalidInput, all);
+  if (!all.empty()) throw UnusableLog(all, findings);
 }
 
 }  // namespace parkade

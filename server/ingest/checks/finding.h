@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstdio>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
+
+#include "core/error.h"
 
 namespace parkade {
 
@@ -24,6 +27,24 @@ struct Finding {
   std::map<std::string, double> evidence = {};  ///< the numbers behind it, by names with units
 };
 
+/// A finding without a topic, that something is left out or doubted.
+Finding WarningOf(std::string name, std::string sentence, std::string advice,
+                  std::map<std::string, double> evidence);
+/// The same, that no map can be made.
+Finding UnusableOf(std::string name, std::string sentence, std::string advice,
+                   std::map<std::string, double> evidence);
+
+/// What printf makes of it, up to 400 characters.
+template <typename... Values>
+std::string FormatText(const char* format, Values... values) {
+  char text[400];
+  std::snprintf(text, sizeof(text), format, values...);
+  return text;
+}
+
+/// Evidence of findings about stamps: by how much they are late [s].
+inline constexpr const char* kDelay = "delay_s";
+
 /// "note", "warning", "unusable"
 const char* NameOf(Severity severity);
 
@@ -41,7 +62,19 @@ std::vector<std::string> TextsOf(const std::vector<Finding>& findings, Severity 
 /// The texts of all that a map can be made in spite of, warnings before notes.
 std::vector<std::string> WarningsOf(const std::vector<Finding>& findings);
 
-/// Throws Error{kInvalidInput} with the texts of those that make a log unusable, if there are any.
+/// A log of which no map can be made, by what was found.
+class UnusableLog : public Error {
+ public:
+  UnusableLog(const std::string& sentence, std::vector<Finding> findings)
+      : Error(ErrorCode::kInvalidInput, sentence), findings_(std::move(findings)) {}
+
+  const std::vector<Finding>& findings() const { return findings_; }
+
+ private:
+  std::vector<Finding> findings_;
+};
+
+/// Throws UnusableLog with the texts of those that make a log unusable, if there are any.
 void RequireUsable(const std::vector<Finding>& findings);
 
 }  // namespace parkade

@@ -3,6 +3,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "core/statistics.h"
+
 namespace parkade {
 namespace {
 
@@ -13,9 +15,12 @@ constexpr double kMaxReturn = 0.7;  // [px] by which tracking there and back may
 
 ImagePair Track(const RigCamera& camera, Timestamp first, const cv::Mat& from, Timestamp second,
                 const cv::Mat& to) {
-  ImagePair pair{first, second, {}, {}};
+  ImagePair pair;
+  pair.first = first;
+  pair.second = second;
   std::vector<cv::Point2f> corners, tracked, returned;
   cv::goodFeaturesToTrack(from, corners, kMaxCorners, 0.02, from.cols / 24.0, camera.mask);
+  pair.num_corners = corners.size();
   if (corners.empty()) return pair;
   std::vector<unsigned char> is_found, is_back;
   std::vector<float> errors;
@@ -32,6 +37,23 @@ ImagePair Track(const RigCamera& camera, Timestamp first, const cv::Mat& from, T
 }
 
 }  // namespace
+
+bool ImagePair::IsStill() const {
+  constexpr double kStill = 0.1;  // [px]
+  double num_still = 0;
+  for (std::size_t i = 0; i < from.size(); ++i)
+    num_still += (to[i] - from[i]).norm() < kStill ? 1 : 0;
+  return num_still > 0.95 * static_cast<double>(from.size());
+}
+
+double ImagePair::MedianMotion() const {
+  constexpr std::size_t kFew = 10;
+  if (from.size() < kFew) return 0;
+  std::vector<double> motions;
+  motions.reserve(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) motions.push_back((to[i] - from[i]).norm());
+  return Median(std::move(motions));
+}
 
 bool ImagePairs::Wants(Timestamp time) const { return first_ || !next_ || time >= *next_; }
 

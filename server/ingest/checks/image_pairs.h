@@ -14,6 +14,12 @@ namespace parkade {
 struct ImagePair {
   Timestamp first, second;
   std::vector<Eigen::Vector2d> from, to;  ///< [px]
+  std::size_t num_corners = 0;            ///< that were looked for in the second
+
+  /// Whether hardly any point moved: the camera stands, or the image is repeated.
+  bool IsStill() const;
+  /// [px] that half of the points move more than; 0 where there are hardly any.
+  double MedianMotion() const;
 };
 
 /// Takes pairs of images out of the stream of one camera, all along the drive and not many.
@@ -36,7 +42,7 @@ class ImagePairs {
   std::optional<Timestamp> first_;  ///< of a pair that waits for its second image
   cv::Mat first_image_;
   std::optional<Timestamp> next_;  ///< from when on another pair is wanted
-  double interval_ = 1;            ///< [s] between pairs
+  double interval_ = 0.25;         ///< [s] between pairs
 };
 
 }  // namespace parkade

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/ingest/checks/gyroscope_findings.h"
+
 namespace parkade {
 namespace {
 
@@ -17,6 +19,27 @@ double DistanceBetween(const GnssFix& a, const GnssFix& b) {
   return std::hypot(north, east);
 }
 
+/// Noises that no IMU has, in which a trajectory trusts too much. The best of ships and aircraft
+/// have ten times these.
+std::optional<Finding> CheckNoises(const ImuCalibration& imu, const std::string& topic) {
+  constexpr double kLeast[4] = {1e-6, 1e-7, 1e-7, 1e-9};
+  const std::pair<const char*, double> noises[4] = {
+      {"accelerometer_noise_density", imu.accelerometer_noise_density},
+      {"accelerometer_random_walk", imu.accelerometer_random_walk},
+      {"gyroscope_noise_density", imu.gyroscope_noise_density},
+      {"gyroscope_random_walk", imu.gyroscope_random_walk}};
+  for (std::size_t i = 0; i < 4; ++i)
+    if (const auto& [name, value] = noises[i]; value < kLeast[i])
+      return Finding{"imu_noise_too_small",
+                     Severity::kWarning,
+                     topic,
+                     "the rig gives the IMU " + topic + " a " + name + " that none has",
+                     "take its data sheet's, or those of a consumer's IMU: 0.02, 0.001, 0.001, "
+                     "0.00001",
+                     {{name, value}}};
+  return std::nullopt;
+}
+
 }  // namespace
 
 void LogChecks::Include(const GnssFix& fix) {
@@ -25,14 +48,41 @@ void LogChecks::Include(const GnssFix& fix) {
   farthest_fix_ = std::max(farthest_fix_, DistanceBetween(*first_fix_, fix));
 }
 
-std::optional<Finding> LogChecks::CheckWheels(const std::string& topic) const {
-  if (topic.empty() || wheels_.empty() || !wheels_.IsAlwaysZero()) return std::nullopt;
-  return Finding{kWheelsAreZero,
-                 Severity::kWarning,
-                 topic,
-                 "the wheels " + topic + " say 0 m/s from beginning to end and are left out",
-                 "check that the encoders are connected, and that the speed is in twist.linear.x",
-                 {}};
+void LogChecks::CheckWheels(const std::string& topic, std::vector<Finding>& findings) const {
+  for (const auto& found : {CheckSpeeds(wheels_, topic),
+                            CheckSticking(wheels_, cameras_.NumMovingAtRest(wheels_), topic)})
+    if (found) {
+      findings.push_back(*found);
+      return;
+    }
+  CheckTurns(topic, findings);
+}
+
+void LogChecks::CheckTurns(const std::string& wheels, std::vector<Finding>& findings) const {
+  for (const Finding& finding : findings)
+    if (finding.name == kImuStuck || finding.severity == Severity::kUnusable) return;
+  const auto turns = FitWheelDelay(rig_, cameras_.gyroscope(), wheels_);
+  double imu_delay = 0;
+  for (Finding& finding : findings) {
+    // Wheels are with the IMU or with the cameras; without a word of theirs the IMU is the clock,
+    // and its rates stay as they are.
+    if (finding.name == kImuLate) {
+      imu_delay = finding.evidence.at(kDelay);
+      if (turns && std::abs(turns->seconds + imu_delay) < std::abs(turns->seconds)) continue;
+      finding = AsDelayOfCameras(finding, !wheels_.empty());
+      imu_delay = 0;
+    } else if (finding.name == kGyroscopeGain && turns) {
+      const double gain = finding.evidence.at(kRateCorrection);
+      if (std::abs(turns->gain - gain) > std::abs(turns->gain - 1)) {
+        finding = AsErrorOfLenses(finding);
+      } else {
+        finding.sentence += ", and so by its wheels; rates are used times that";
+        finding.evidence[kIsCorrected] = 1;
+      }
+    }
+  }
+  if (!turns) return;
+  if (const auto found = CheckWheelDelay(*turns, imu_delay, wheels)) findings.push_back(*found);
 }
 
 std::optional<Finding> LogChecks::CheckGnss(const std::string& topic) const {
@@ -47,12 +97,17 @@ std::optional<Finding> LogChecks::CheckGnss(const std::string& topic) const {
                  {{"way_m", way}, {"farthest_fix_m", farthest_fix_}}};
 }
 
+SpeedHistory LogChecks::Speeds() const { return wheels_.empty() ? cameras_.Speeds() : wheels_; }
+
 std::vector<Finding> LogChecks::Findings(const CheckedTopics& topics) const {
-  std::vector<Finding> findings = imu_.Findings(topics.imu, wheels_);
-  if (const auto found = CheckWheels(topics.wheels)) findings.push_back(*found);
-  if (const auto found = CheckGnss(topics.gnss)) findings.push_back(*found);
+  const SpeedHistory speeds = Speeds();
+  std::vector<Finding> findings = imu_.Findings(topics.imu, speeds);
+  const auto gnss = CheckGnss(topics.gnss);
+  if (gnss) findings.push_back(*gnss);
   // Cameras are held against IMU and wheels, which must not be wrong themselves.
-  if (findings.empty()) return cameras_.Findings(wheels_, topics.cameras);
+  if (findings.empty()) findings = cameras_.Findings(speeds, topics.cameras, topics.imu);
+  CheckWheels(topics.wheels, findings);
+  if (const auto found = CheckNoises(rig_.imu, topics.imu)) findings.push_back(*found);
   return findings;
 }
 

@@ -10,6 +10,7 @@
 #include "server/ingest/checks/finding.h"
 #include "server/ingest/checks/imu_checks.h"
 #include "server/ingest/checks/speed_history.h"
+#include "server/ingest/checks/wheel_checks.h"
 
 namespace parkade {
 
@@ -23,7 +24,7 @@ struct CheckedTopics {
 /// only a trajectory can tell is told after odometry.
 class LogChecks {
  public:
-  explicit LogChecks(const Rig& rig) : imu_(rig), cameras_(rig) {}
+  explicit LogChecks(const Rig& rig) : rig_(rig), imu_(rig), cameras_(rig) {}
 
   // In order of time within each stream.
   void Include(const ImuSample& sample) {
@@ -36,10 +37,19 @@ class LogChecks {
 
   std::vector<Finding> Findings(const CheckedTopics& topics) const;
 
+  /// When the IMU repeated one reading: what is not to be used.
+  std::vector<TimeSpan> StuckImu() const { return imu_.StuckSpans(wheels_); }
+
  private:
-  std::optional<Finding> CheckWheels(const std::string& topic) const;
+  void CheckWheels(const std::string& topic, std::vector<Finding>& findings) const;
+  /// Decides by the wheels' turns who of IMU, cameras and wheels is late or off.
+  void CheckTurns(const std::string& wheels, std::vector<Finding>& findings) const;
   std::optional<Finding> CheckGnss(const std::string& topic) const;
 
+  /// Speeds by wheels; by cameras where the drive has none.
+  SpeedHistory Speeds() const;
+
+  const Rig& rig_;
   ImuChecks imu_;
   CameraChecks cameras_;
   SpeedHistory wheels_;
@@ -48,8 +58,7 @@ class LogChecks {
   double farthest_fix_ = 0;  ///< [m] from the first
 };
 
-/// Names of findings about a stream that is left out for it.
-inline constexpr const char* kWheelsAreZero = "wheels_zero";
+/// Name of the finding about GNSS that is left out for it.
 inline constexpr const char* kGnssIsFrozen = "gnss_frozen";
 
 }  // namespace parkade

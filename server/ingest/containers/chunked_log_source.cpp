@@ -18,13 +18,16 @@ constexpr std::uint64_t kMaxOpenSize = std::uint64_t{48} << 20;
 struct ReadingPlan {
   std::vector<std::uint32_t> order;
   bool is_merged = true;  ///< by time; false: one after the other, because too much overlaps
+  SegmentOrder within = SegmentOrder::kLogTime;
 };
 
-ReadingPlan PlanReading(const std::vector<LogSegment>& segments) {
+ReadingPlan PlanReading(const ScannedLog& log) {
+  const std::vector<LogSegment>& segments = log.segments;
   ReadingPlan plan;
   plan.order.resize(segments.size());
   std::iota(plan.order.begin(), plan.order.end(), 0u);
   const std::vector<std::uint32_t> file_order = plan.order;
+  if (log.is_set_back) return {file_order, false, SegmentOrder::kFile};
   std::stable_sort(plan.order.begin(), plan.order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return segments[a].time.begin < segments[b].time.begin;
   });
@@ -38,7 +41,8 @@ ReadingPlan PlanReading(const std::vector<LogSegment>& segments) {
     }
     open.emplace(segments[i].time.end, segments[i].held_size);
     open_size += segments[i].held_size;
-    if (open.size() > 1 && open_size > kMaxOpenSize) return {file_order, false};
+    if (open.size() > 1 && open_size > kMaxOpenSize)
+      return {file_order, false, SegmentOrder::kLogTime};
   }
   return plan;
 }
@@ -84,7 +88,7 @@ class SegmentStream : public MessageStream {
 
   void OpenNextSegment() {
     const LogSegment& segment = log_->segments[plan_->order[next_segment_]];
-    Push(next_segment_++, OpenSegment(*log_, segment, wanted_, damage_));
+    Push(next_segment_++, OpenSegment(*log_, segment, wanted_, plan_->within, damage_));
   }
 
   void Push(std::uint32_t rank, std::shared_ptr<SegmentCursor> cursor) {
@@ -104,7 +108,7 @@ class ChunkedLogSource : public MessageSource {
  public:
   ChunkedLogSource(std::shared_ptr<const InputFile> file, const LogFormat& format)
       : log_(std::make_shared<ScannedLog>(ScanLog(std::move(file), format))),
-        plan_(std::make_shared<ReadingPlan>(PlanReading(log_->segments))) {}
+        plan_(std::make_shared<ReadingPlan>(PlanReading(*log_))) {}
 
   const std::vector<TopicInfo>& topics() const override { return log_->topics.topics; }
   std::string format() const override { return log_->format->name(); }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "server/ingest/containers/channel_losses.h"
+#include "server/ingest/containers/channel_clocks.h"
 #include "server/ingest/containers/chunk_content.h"
 #include "server/ingest/containers/damage.h"
 #include "server/ingest/containers/record_walker.h"
@@ -62,6 +62,7 @@ class LogScanner {
   std::map<std::uint32_t, std::uint64_t>
       num_salvaged_;  ///< messages outside chunks since the last damage
   ChannelLosses losses_;
+  ChannelClocks clocks_;
   SegmentList segments_;
 };
 
@@ -87,6 +88,7 @@ ScannedLog LogScanner::Scan() {
   const bool knows_counts = has_all_channels_ && !summary_.num_messages.empty();
   log_.topics = channels_.MakeTopics(knows_counts ? summary_.num_messages : num_messages_);
   losses_.AddTo(log_.damage, log_.topics);
+  log_.is_set_back = clocks_.WereSetBack();
   return std::move(log_);
 }
 
@@ -146,6 +148,7 @@ void LogScanner::OnMessage(const LogRecord& record) {
   }
   ++num_messages_[record.channel];
   ++num_salvaged_[record.channel];
+  clocks_.Add(record.channel, record.time);
   segments_.Add(record, record.end - record.begin, {record.time, record.time});
 }
 
@@ -220,6 +223,7 @@ LogScanner::ChunkMessages LogScanner::Unpack(const OpenedChunk& chunk) {
     if (step.record->kind != RecordKind::kMessage) continue;
     MessageCount& counted = messages.by_channel[step.record->channel];
     ++counted.num_messages;
+    if (chunk.index.empty()) clocks_.Add(step.record->channel, step.record->time);
     counted.time.Include(step.record->time);
     messages.time.Include(step.record->time);
     if (!chunk.doubtful_indexes.empty())
@@ -258,6 +262,7 @@ MessageCount LogScanner::CountEntries(const LogRecord& index) {
   MessageCount counted;
   format_->ReadIndex(reader_, index, [&](const ChunkIndexEntry& entry) {
     ++counted.num_messages;
+    clocks_.Add(index.channel, entry.time);
     counted.time.Include(entry.time);
   });
   return counted;

@@ -16,6 +16,8 @@ struct ScannedLog {
   TopicMap topics;
   std::vector<LogSegment> segments;  ///< in order of the file; about 2 MiB or one chunk each
   DamageReport damage;               ///< of the structure; chunks are not unpacked yet
+  bool is_set_back = false;  ///< the recorder's clock was, while it wrote; unknown where chunks
+                             ///< have no index
 };
 
 /// Hops from header to header, past damage. Unpacks a chunk only where the headers leave open which

@@ -2,7 +2,7 @@
 
 #include "core/error.h"
 #include "server/ingest/containers/damage.h"
-#include "server/ingest/containers/euroc_source.h"
+#include "server/ingest/containers/folder_source.h"
 #include "server/ingest/containers/kept_source.h"
 #include "server/ingest/containers/open_message_source.h"
 #include "server/ingest/files/archive_extraction.h"
@@ -17,7 +17,8 @@ std::shared_ptr<const MessageSource> OpenLogSource(const fs::path& log,
   std::error_code error;
   Require(fs::exists(log, error), ErrorCode::kNotFound, "there is no log " + name);
   if (fs::is_directory(log)) {
-    if (const auto euroc = FindEurocFolder(log)) return std::make_shared<EurocSource>(*euroc);
+    if (const auto drive = FindDriveFolder(log, name))
+      return std::make_shared<FolderSource>(*drive);
     return OpenMessageSource(log, scratch_folder);
   }
   Require(fs::is_regular_file(log), ErrorCode::kInvalidInput,
@@ -26,7 +27,8 @@ std::shared_ptr<const MessageSource> OpenLogSource(const fs::path& log,
   if (!IsArchive(log)) return OpenMessageSource(log, scratch_folder);
   auto folder = std::make_shared<const TemporaryFolder>(scratch_folder);
   const ExtractionResult result = ExtractArchive(log, folder->path());
-  if (!result.log_folder) return std::make_shared<EurocSource>(std::move(folder), result.damage);
+  if (!result.log_folder)
+    return std::make_shared<FolderSource>(std::move(folder), name, result.damage);
   DamageReport damage;
   AddArchiveDamage(damage, result.damage);
   return KeepUnpacked(OpenMessageSource(*result.log_folder, scratch_folder), std::move(folder),

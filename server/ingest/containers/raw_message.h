@@ -27,6 +27,8 @@ struct TopicInfo {
   std::shared_ptr<const std::string> schema = nullptr;
   /// The type as the log names it, where messages are turned into ROS messages of `type`.
   std::string native_type = "";
+  /// What had to be guessed to read it, in one phrase that names it; empty: nothing.
+  std::string remark = "";
 };
 
 /// Where a message lies in its log.
@@ -81,6 +83,8 @@ class MessageSource {
   /// The message of a topic at a place that a pass over this log gave, without a pass; nothing
   /// where it cannot be read there.
   virtual std::optional<RawMessage> ReadAt(int topic, const MessagePlace& place) const = 0;
+  /// The source that was opened, where this shows part of it.
+  virtual const MessageSource& origin() const { return *this; }
 };
 
 }  // namespace parkade

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "core/error.h"
+#include "server/ingest/containers/channel_clocks.h"
 #include "server/ingest/containers/channel_table.h"
 #include "server/ingest/containers/damage.h"
 #include "server/ingest/containers/log_record.h"
@@ -24,7 +25,7 @@ struct Rosbag2File {
   std::filesystem::path path;
   std::shared_ptr<const InputFile> file;
   TopicMap topics;         ///< a topic's id is its channel
-  std::string time_index;  ///< name of the index on the timestamp, quoted; empty: none
+  std::string time_index;  ///< of the timestamp, by which rows are read; quoted; empty: by number
   DamageReport damage;
   bool is_damaged = false;  ///< found to be so when it was opened
 };
@@ -186,6 +187,16 @@ std::map<std::uint32_t, std::uint64_t> ReadTables(const SqliteDatabase& database
   return num_messages;
 }
 
+/// Whether the recorder's clock was set back while it wrote: rows are numbered as they came.
+bool WasSetBack(const SqliteDatabase& database) {
+  ChannelClocks clocks;
+  SqliteQuery rows(database, "SELECT topic_id, timestamp FROM messages ORDER BY id");
+  while (rows.Step())
+    clocks.Add(static_cast<std::uint32_t>(rows.Integer(0)),
+               {std::max<std::int64_t>(rows.Integer(1), 0)});
+  return clocks.WereSetBack();
+}
+
 /// SQLite writes the number of pages into its header.
 bool IsShorterThanItClaims(const InputFile& file) {
   std::array<std::uint8_t, 100> header{};
@@ -285,7 +296,7 @@ class SqliteSource : public MessageSource {
       const SqliteDatabase database(log_->path);
       has_tables = HasTables(database);
       if (has_tables) {
-        log_->time_index = FindTimeIndex(database);
+        log_->time_index = WasSetBack(database) ? "" : FindTimeIndex(database);
         num_messages = ReadTables(database, channels);
       }
     } catch (const Error&) {

@@ -54,7 +54,7 @@ class ChunkFilter {
 class LoadedSegment : public SegmentCursor {
  public:
   LoadedSegment(const ScannedLog& log, const LogSegment& segment, const std::vector<bool>& wanted,
-                DamageReport& damage) {
+                SegmentOrder order, DamageReport& damage) {
     FileReader reader(*log.file, segment.end);
     RecordWalker walker(*log.format, reader);
     for (std::uint64_t offset = segment.begin; offset < segment.end;) {
@@ -68,6 +68,7 @@ class LoadedSegment : public SegmentCursor {
       }
       if (step.record->kind == RecordKind::kMessage) AddLoose(log, *step.record, wanted, damage);
     }
+    if (order == SegmentOrder::kFile) return;
     std::stable_sort(messages_.begin(), messages_.end(),
                      [](const Message& a, const Message& b) { return a.time < b.time; });
   }
@@ -230,9 +231,10 @@ std::optional<RawMessage> ReadMessageAt(const ScannedLog& log, const MessagePlac
 }
 
 std::unique_ptr<SegmentCursor> OpenSegment(const ScannedLog& log, const LogSegment& segment,
-                                           const std::vector<bool>& wanted, DamageReport& damage) {
+                                           const std::vector<bool>& wanted, SegmentOrder order,
+                                           DamageReport& damage) {
   if (segment.is_large_chunk) return std::make_unique<StreamedChunk>(log, segment, wanted, damage);
-  return std::make_unique<LoadedSegment>(log, segment, wanted, damage);
+  return std::make_unique<LoadedSegment>(log, segment, wanted, order, damage);
 }
 
 }  // namespace parkade

@@ -7,7 +7,7 @@
 
 namespace parkade {
 
-/// The messages of one segment, in order of log_time as far as that is possible in bounded memory.
+/// The messages of one segment; in order of log_time as far as that is possible in bounded memory.
 class SegmentCursor {
  public:
   virtual ~SegmentCursor() = default;
@@ -16,10 +16,14 @@ class SegmentCursor {
   virtual RawMessage Take() = 0;
 };
 
+/// The order of the messages of a segment.
+enum class SegmentOrder { kLogTime, kFile };
+
 /// Opens a segment; losses, now and later, are added to `damage`. All arguments must outlive the
 /// cursor.
 std::unique_ptr<SegmentCursor> OpenSegment(const ScannedLog& log, const LogSegment& segment,
-                                           const std::vector<bool>& wanted, DamageReport& damage);
+                                           const std::vector<bool>& wanted, SegmentOrder order,
+                                           DamageReport& damage);
 
 /// The message at a place that a cursor gave, without its neighbors; nothing where it cannot be
 /// read. Unpacks its chunk. Its topic is -1 where the log does not define it.

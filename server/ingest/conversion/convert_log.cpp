@@ -56,6 +56,7 @@ ConvertedDrive WriteDrive(const RecordedDriveParts& drive, const fs::path& file)
                          drive.survey.reorder_window);
   CleanLogWriter writer(file);
   ConvertedDrive converted;
+  converted.num_left_out = drive.survey.num_left_out;
   TimeSpan span;
   while (const std::optional<Arrival> arrival = arrivals.Next()) {
     const SensorStream& stream = streams[static_cast<std::size_t>(arrival->stream)];

@@ -21,7 +21,8 @@ ArrivalMerger::ArrivalMerger(std::unique_ptr<ArrivalStream> arrivals, double reo
       num_late_(arrivals_->health().size(), 0) {}
 
 bool ArrivalMerger::IsLater(const Held& a, const Held& b) {
-  return std::tie(a.arrival.time, a.sequence) > std::tie(b.arrival.time, b.sequence);
+  return std::tie(a.arrival.time, a.arrival.stream, a.sequence) >
+         std::tie(b.arrival.time, b.arrival.stream, b.sequence);
 }
 
 std::optional<Arrival> ArrivalMerger::Next() {
@@ -41,7 +42,7 @@ std::optional<Arrival> ArrivalMerger::Next() {
 
 bool ArrivalMerger::MustPass() const {
   if (heap_.empty()) return false;
-  return *front_ - heap_.front().arrival.time >= reorder_window_ || num_bytes_ > kMaxBytes;
+  return *front_ - heap_.front().arrival.time > reorder_window_ || num_bytes_ > kMaxBytes;
 }
 
 void ArrivalMerger::Hold(Arrival arrival) {

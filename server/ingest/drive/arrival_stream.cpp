@@ -1,5 +1,7 @@
 #include "server/ingest/drive/arrival_stream.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 
 namespace parkade {
@@ -17,6 +19,21 @@ bool IsPlausible(const Arrival& arrival) {
           return parkade::IsPlausible(content);
       },
       arrival.content);
+}
+
+void SetTime(Timestamp time, Arrival& arrival) {
+  arrival.time = time;
+  std::visit(
+      [&](auto& content) {
+        if constexpr (!std::is_same_v<std::decay_t<decltype(content)>, EncodedImage>)
+          content.time = time;
+      },
+      arrival.content);
+}
+
+bool IsStuck(Timestamp time, const SensorStream& stream) {
+  return std::any_of(stream.stuck.begin(), stream.stuck.end(),
+                     [&](const TimeSpan& span) { return span.Contains(time); });
 }
 
 }  // namespace
@@ -54,6 +71,7 @@ std::optional<Arrival> ArrivalStream::Next() {
     is_finished_ = true;
     for (std::size_t i = 0; i < guards_.size(); ++i)
       Release(guards_[i].Finish(imu_front_, health_[i]));
+    if (std::optional<Arrival> last = spikes_.Finish()) Deliver(std::move(*last));
   }
   if (ready_.empty()) return std::nullopt;
   Arrival arrival = std::move(ready_.front());
@@ -86,7 +104,7 @@ void ArrivalStream::Take(RawMessage message) {
     return;
   }
   if (!arrival || run.stretch != stretch_) return;
-  if (IsTime(arrival->time)) arrival->time = arrival->time + run.correction;
+  if (IsTime(arrival->time)) SetTime(arrival->time + run.correction, *arrival);
   if (!IsTime(arrival->time)) {
     ++health.Dropped(DropReason::kOffClock);
   } else if (!IsPlausible(*arrival)) {
@@ -100,10 +118,25 @@ void ArrivalStream::Take(RawMessage message) {
 void ArrivalStream::Release(std::vector<Arrival> arrivals) {
   for (Arrival& arrival : arrivals) {
     const auto stream = static_cast<std::size_t>(arrival.stream);
-    ++health_[stream].num_delivered;
-    if (streams_[stream].kind == StreamKind::kImu) imu_front_ = arrival.time;
-    if (wanted_[stream] && (!filter_ || filter_(arrival))) ready_.push_back(std::move(arrival));
+    if (streams_[stream].kind != StreamKind::kImu) {
+      Deliver(std::move(arrival));
+      continue;
+    }
+    imu_front_ = arrival.time;
+    if (IsStuck(arrival.time, streams_[stream])) {
+      ++health_[stream].Dropped(DropReason::kStuck);
+      continue;
+    }
+    SpikeFilter::Result result = spikes_.Push(std::move(arrival));
+    if (result.is_spike) ++health_[stream].Dropped(DropReason::kNotFinite);
+    if (result.good) Deliver(std::move(*result.good));
   }
+}
+
+void ArrivalStream::Deliver(Arrival arrival) {
+  const auto stream = static_cast<std::size_t>(arrival.stream);
+  ++health_[stream].num_delivered;
+  if (wanted_[stream] && (!filter_ || filter_(arrival))) ready_.push_back(std::move(arrival));
 }
 
 std::optional<Arrival> ArrivalStream::Decode(RawMessage message, int index) {
@@ -113,12 +146,14 @@ std::optional<Arrival> ArrivalStream::Decode(RawMessage message, int index) {
       ImuSample sample = ReadImuSample(message, stream);
       sample.angular_velocity *= stream.rate_scale;
       sample.linear_acceleration *= stream.acceleration_scale;
+      if (IsTime(sample.time)) sample.time = sample.time + stream.time_shift;
       return Arrival{sample.time, index, sample};
     }
     case StreamKind::kWheels: {
       std::optional<WheelSample> sample = wheel_reader_.Read(message, stream);
       if (!sample) return std::nullopt;
       sample->forward_speed *= stream.speed_scale;
+      if (IsTime(sample->time)) sample->time = sample->time + stream.time_shift;
       return Arrival{sample->time, index, *sample};
     }
     case StreamKind::kGnss: {

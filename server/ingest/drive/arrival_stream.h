@@ -8,6 +8,7 @@
 
 #include "server/ingest/containers/raw_message.h"
 #include "server/ingest/drive/drive_log_health.h"
+#include "server/ingest/drive/spike_filter.h"
 #include "server/ingest/drive/timestamp_filter.h"
 #include "server/ingest/messages/sensor_decoding.h"
 #include "server/ingest/messages/sensor_stream.h"
@@ -41,6 +42,7 @@ class ArrivalStream {
   ClockRun NextRun(std::size_t stream);
   void Take(RawMessage message);
   void Release(std::vector<Arrival> arrivals);
+  void Deliver(Arrival arrival);
   std::optional<Arrival> Decode(RawMessage message, int stream);
 
   const std::vector<SensorStream>& streams_;
@@ -53,6 +55,7 @@ class ArrivalStream {
   std::unique_ptr<MessageStream> messages_;
   std::vector<TimestampFilter> guards_;
   std::vector<StreamHealth> health_;
+  SpikeFilter spikes_;  ///< of the IMU
   WheelReader wheel_reader_;
   std::vector<ImageIntake> images_;  ///< per stream
   std::optional<Timestamp> imu_front_;

@@ -12,6 +12,7 @@ const char* NameOf(DropReason reason) {
     case DropReason::kBackwardStamp: return "backward_stamp";
     case DropReason::kOffClock: return "off_clock";
     case DropReason::kNotFinite: return "not_finite";
+    case DropReason::kStuck: return "stuck";
     case DropReason::kNoFix: return "no_fix";
     case DropReason::kLate: return "late";
     case DropReason::kWrongSize: return "wrong_size";

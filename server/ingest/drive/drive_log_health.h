@@ -19,12 +19,13 @@ enum class DropReason {
   kBackwardStamp,     ///< stamp before that of the record before
   kOffClock,          ///< stamp far from the IMU's clock, or a lone jump
   kNotFinite,         ///< NaN, infinite or out of any sensor's range
+  kStuck,             ///< a reading that a driver repeats while its sensor hangs
   kNoFix,             ///< GNSS without a position
   kLate,              ///< further behind the other streams than the reordering window
   kWrongSize,         ///< image of another size than calibrated
   kWaitsForKeyFrame,  ///< image of a video before the first that can be decoded by itself
 };
-inline constexpr std::size_t kNumDropReasons = 9;
+inline constexpr std::size_t kNumDropReasons = 10;
 
 /// "damaged", "repeated", "backward_stamp", ...
 const char* NameOf(DropReason reason);

@@ -1,7 +1,10 @@
 #include "server/ingest/drive/file_drive.h"
 
+#include <algorithm>
+
 #include "server/ingest/drive/decode_ahead.h"
 #include "server/ingest/drive/recorded_drive_parts.h"
+#include "server/ingest/drive/stream_findings.h"
 
 namespace parkade {
 namespace {
@@ -35,21 +38,22 @@ DecodeAhead::Limits LimitsOf(const RecordedDriveParts& parts, const ReadOptions&
   return limits;
 }
 
-DecodedArrival DecodeArrival(const RecordedDriveParts& parts, Arrival arrival, bool grayscale) {
+DecodedArrival DecodeArrival(RecordedDriveParts& parts, Arrival arrival, bool grayscale) {
   const SensorStream& stream = parts.survey.streams[static_cast<std::size_t>(arrival.stream)];
   return std::visit(
       [&]<typename Content>(Content& content) -> DecodedArrival {
         if constexpr (!std::is_same_v<Content, EncodedImage>) {
-          content.time = arrival.time;
           return {content};
         } else {
           const RigCamera& camera = parts.rig.cameras[static_cast<std::size_t>(stream.camera)];
           const bool is_mask = stream.kind == StreamKind::kSemantic;
+          const bool is_intact = parts.intact.Has(arrival.stream, arrival.time);
           const DecodedImage decoded = DecodeEncoded(content, stream,
                                                      {.width = camera.model.width(),
                                                       .height = camera.model.height(),
                                                       .grayscale = grayscale || is_mask,
-                                                      .sample_bits = stream.sample_bits});
+                                                      .sample_bits = stream.sample_bits,
+                                                      .is_intact = is_intact});
           switch (decoded.fault) {
             case ImageFault::kNone: break;
             case ImageFault::kDamaged: return {std::nullopt, DropReason::kDamaged};
@@ -57,6 +61,7 @@ DecodedArrival DecodeArrival(const RecordedDriveParts& parts, Arrival arrival, b
             case ImageFault::kWaitsForKeyFrame:
               return {std::nullopt, DropReason::kWaitsForKeyFrame};
           }
+          if (!is_intact) parts.intact.Add(arrival.stream, arrival.time);
           if (is_mask) return {SemanticFrame{arrival.time, stream.camera, decoded.image}};
           return {CameraFrame{arrival.time, stream.camera, decoded.image}};
         }
@@ -72,7 +77,7 @@ class RecordedStream : public RecordStream {
         wanted_(WantedStreams(parts_->survey.streams, options)),
         chooses_images_(options.wants_image != nullptr),
         tally_(wanted_.size()) {
-    const RecordedDriveParts& drive = *parts_;
+    RecordedDriveParts& drive = *parts_;
     ArrivalStream::Filter filter;
     if (options.wants_image)
       filter = [&drive, wants = options.wants_image](const Arrival& arrival) {
@@ -140,7 +145,17 @@ std::unique_ptr<RecordStream> FileDrive::Read(const ReadOptions& options) const 
 
 DriveLogHealth FileDrive::health() const {
   const std::lock_guard lock(parts_->health_mutex);
-  return parts_->health;
+  DriveLogHealth health = parts_->health;
+  // What was lost while decoding is known only now.
+  for (std::size_t i = 0; i < health.streams.size(); ++i) {
+    const SensorStream& stream = parts_->survey.streams[i];
+    const bool is_known =
+        std::any_of(health.findings.begin(), health.findings.end(),
+                    [&](const Finding& finding) { return finding.topic == stream.topic_name; });
+    std::optional<Finding> loss = is_known ? std::nullopt : FindLoss(stream, health.streams[i]);
+    if (loss) health.findings.push_back(std::move(*loss));
+  }
+  return health;
 }
 
 }  // namespace parkade

@@ -1,11 +1,15 @@
 #include "server/ingest/drive/log_survey.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "core/error.h"
+#include "server/ingest/checks/gyroscope_findings.h"
+#include "server/ingest/checks/imu_checks.h"
 #include "server/ingest/checks/log_checks.h"
 #include "server/ingest/drive/arrival_stream.h"
+#include "server/ingest/drive/coverage_findings.h"
 #include "server/ingest/drive/stream_findings.h"
 #include "server/ingest/messages/image_decoding.h"
 
@@ -57,6 +61,7 @@ void IncludeImage(const EncodedImage& image, Timestamp time, const SensorStream&
 void LeaveOut(const std::function<bool(const SensorStream&)>& is_meant, LogSurvey& survey) {
   for (std::size_t i = survey.streams.size(); i-- > 0;) {
     if (!is_meant(survey.streams[i])) continue;
+    survey.num_left_out += survey.health[i].num_delivered + survey.health[i].NumDropped();
     survey.streams.erase(survey.streams.begin() + static_cast<std::ptrdiff_t>(i));
     survey.health.erase(survey.health.begin() + static_cast<std::ptrdiff_t>(i));
   }
@@ -72,6 +77,20 @@ int CameraOf(const std::string& topic, const std::vector<SensorStream>& streams)
 
 void Add(const std::vector<Finding>& findings, LogSurvey& survey) {
   survey.findings.insert(survey.findings.end(), findings.begin(), findings.end());
+}
+
+/// Corrects a stream's readings and stamps as a finding about them says.
+void Correct(const Finding& finding, const LogChecks& checks, SensorStream& stream) {
+  if (finding.name == kCamerasLate && stream.camera >= 0)
+    stream.time_shift -= finding.evidence.at(kDelay);
+  if (finding.topic != stream.topic_name) return;
+  if (finding.name == kImuGain && finding.evidence.contains(kGainCorrection))
+    stream.acceleration_scale *= finding.evidence.at(kGainCorrection);
+  if (finding.name == kGyroscopeGain && finding.evidence.contains(kIsCorrected))
+    stream.rate_scale *= finding.evidence.at(kRateCorrection);
+  if (finding.name == kImuLate) stream.time_shift -= finding.evidence.at(kDelay);
+  if (finding.name == kWheelsLate) stream.time_shift -= finding.evidence.at(kDelay);
+  if (finding.name == kImuStuck) stream.stuck = checks.StuckImu();
 }
 
 /// \param has_only_poses  wheels say where they are, not how fast
@@ -161,7 +180,13 @@ LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> strea
       checks.Findings(TopicsOf(survey.streams, arrivals.HasWheelsWithOnlyPoses()));
   Add(found, survey);
   for (const Finding& finding : found) {
-    if (finding.name == kWheelsAreZero || finding.name == kGnssIsFrozen)
+    for (SensorStream& stream : survey.streams) Correct(finding, checks, stream);
+    // Streams whose stamps are corrected lie further from the others than the survey saw.
+    if (finding.evidence.contains(kDelay))
+      survey.reorder_window = std::min(
+          kMaxReorderWindow, survey.reorder_window + std::abs(finding.evidence.at(kDelay)));
+    if (finding.name == kWheelsAreZero || finding.name == kWheelsAreCoarse ||
+        finding.name == kWheelsStick || finding.name == kGnssIsFrozen)
       LeaveOut([&](const SensorStream& stream) { return stream.topic_name == finding.topic; },
                survey);
     if (finding.name == kCameraContradicts)
@@ -169,6 +194,7 @@ LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> strea
                    const SensorStream& stream) { return stream.camera == camera; },
                survey);
   }
+  Add(FindUncovered(survey.streams, survey.health), survey);
   return survey;
 }
 

@@ -15,12 +15,13 @@ struct LogSurvey {
   TimeSpan span;  ///< of all records on the drive's clock
   double reorder_window =
       0;  ///< [s] furthest that a record lies behind the newest before it, at most 2 s
-  std::vector<SensorStream>
-      streams;  ///< as given, with is_speed_from_pose and sample_bits filled in
+  /// As given, with is_speed_from_pose, sample_bits and a corrected acceleration_scale filled in.
+  std::vector<SensorStream> streams;
   std::vector<StreamHealth> health;
   DamageReport damage;
   std::vector<Finding> findings;
-  int stretch = 0;  ///< of the log, by the streams' clocks
+  int stretch = 0;                 ///< of the log, by the streams' clocks
+  std::uint64_t num_left_out = 0;  ///< messages of streams that are left out whole
 };
 
 /// Reads the log once without decoding images, but for the first of each camera, and

@@ -3,10 +3,10 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "core/parallel.h"
-#include "server/ingest/containers/euroc_source.h"
+#include "server/ingest/containers/folder_source.h"
 #include "server/ingest/drive/clock_plan.h"
-#include "server/ingest/drive/euroc_rig.h"
 #include "server/ingest/drive/file_drive.h"
+#include "server/ingest/drive/folder_rig.h"
 #include "server/ingest/drive/log_survey.h"
 #include "server/ingest/drive/recorded_drive_parts.h"
 #include "server/ingest/drive/rig_discovery.h"
@@ -106,8 +106,8 @@ bool IsUsable(const LogSurvey& survey) {
 
 Rig FindRig(const MessageSource& source, const fs::path& rig_folder) {
   if (!rig_folder.empty()) return ReadRig(rig_folder);
-  if (const auto* euroc = dynamic_cast<const EurocSource*>(&source))
-    return ReadEurocRig(euroc->folder());
+  if (const auto* files = dynamic_cast<const FolderSource*>(&source.origin()))
+    return ReadFolderRig(files->folder());
   return DiscoverRig(source);
 }
 

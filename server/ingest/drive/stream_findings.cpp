@@ -7,17 +7,6 @@ namespace {
 
 constexpr double kMuch = 0.1;  // share of a stream
 
-std::string NameOf(const SensorStream& stream) {
-  switch (stream.kind) {
-    case StreamKind::kImu: return "the IMU " + stream.topic_name;
-    case StreamKind::kWheels: return "the wheels " + stream.topic_name;
-    case StreamKind::kGnss: return "the GNSS receiver " + stream.topic_name;
-    case StreamKind::kImage: return "camera " + stream.role + " (" + stream.topic_name + ")";
-    case StreamKind::kSemantic: break;
-  }
-  return "the masks " + stream.topic_name;
-}
-
 /// Why, for a person.
 std::string ReasonOf(DropReason reason) {
   switch (reason) {
@@ -26,6 +15,7 @@ std::string ReasonOf(DropReason reason) {
     case DropReason::kBackwardStamp: return "have stamps that go back in time";
     case DropReason::kOffClock: return "have stamps that are not on the IMU's clock";
     case DropReason::kNotFinite: return "hold values that no sensor of a car can measure";
+    case DropReason::kStuck: return "repeat one reading";
     case DropReason::kNoFix: return "hold no position";
     case DropReason::kLate: return "come too late in the log";
     case DropReason::kWrongSize: return "are of another size than calibrated";
@@ -102,6 +92,23 @@ Finding NoImages(const std::vector<Finding>& cameras) {
 
 }  // namespace
 
+std::string NameOf(const SensorStream& stream) {
+  switch (stream.kind) {
+    case StreamKind::kImu: return "the IMU " + stream.topic_name;
+    case StreamKind::kWheels: return "the wheels " + stream.topic_name;
+    case StreamKind::kGnss: return "the GNSS receiver " + stream.topic_name;
+    case StreamKind::kImage: return "camera " + stream.role + " (" + stream.topic_name + ")";
+    case StreamKind::kSemantic: break;
+  }
+  return "the masks " + stream.topic_name;
+}
+
+std::optional<Finding> FindLoss(const SensorStream& stream, const StreamHealth& health) {
+  const auto dropped = static_cast<double>(health.NumDropped());
+  if (dropped <= kMuch * (dropped + static_cast<double>(health.num_delivered))) return std::nullopt;
+  return LossOf(stream, health, health.num_delivered == 0);
+}
+
 std::vector<Finding> FindLosses(const std::vector<SensorStream>& streams,
                                 const std::vector<StreamHealth>& health,
                                 const std::vector<std::string>& undecodable) {
@@ -111,21 +118,20 @@ std::vector<Finding> FindLosses(const std::vector<SensorStream>& streams,
     const SensorStream& stream = streams[i];
     const bool is_camera = stream.kind == StreamKind::kImage;
     num_cameras += is_camera ? 1 : 0;
-    const auto dropped = static_cast<double>(health[i].NumDropped());
-    const auto all = dropped + static_cast<double>(health[i].num_delivered);
+    const bool is_empty = health[i].num_delivered == 0;
     if (!undecodable[i].empty())
       (is_camera ? cameras : findings).push_back(UndecodableOf(stream, undecodable[i]));
-    else if (health[i].num_delivered == 0 && (all > 0 || stream.kind == StreamKind::kImu))
+    else if (is_empty && (health[i].NumDropped() > 0 || stream.kind == StreamKind::kImu))
       (is_camera ? cameras : findings).push_back(LossOf(stream, health[i], true));
-    else if (health[i].num_delivered == 0 && is_camera)
+    else if (is_empty && is_camera)
       cameras.push_back({"stream_empty",
                          Severity::kWarning,
                          stream.topic_name,
                          NameOf(stream) + " is left out: its topic holds no image",
                          "",
                          {}});
-    else if (dropped > kMuch * all)
-      findings.push_back(LossOf(stream, health[i], false));
+    else if (std::optional<Finding> loss = FindLoss(stream, health[i]))
+      findings.push_back(std::move(*loss));
   }
   if (cameras.size() == num_cameras)
     findings.push_back(NoImages(cameras));

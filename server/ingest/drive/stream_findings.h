@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "server/ingest/checks/finding.h"
@@ -7,6 +9,9 @@
 #include "server/ingest/messages/sensor_stream.h"
 
 namespace parkade {
+
+/// "the IMU /imu", "camera cam0 (/cam0/image)"
+std::string NameOf(const SensorStream& stream);
 
 /// What the streams' losses amount to: a stream of which nothing is left, or much is missing; and
 /// whether a map can be made from the rest.
@@ -16,5 +21,8 @@ namespace parkade {
 std::vector<Finding> FindLosses(const std::vector<SensorStream>& streams,
                                 const std::vector<StreamHealth>& health,
                                 const std::vector<std::string>& undecodable);
+
+/// That a stream loses much; nothing where it does not.
+std::optional<Finding> FindLoss(const SensorStream& stream, const StreamHealth& health);
 
 }  // namespace parkade

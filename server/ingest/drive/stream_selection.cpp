@@ -207,6 +207,10 @@ StreamSelection SelectStreams(const MessageSource& source, const Rig& rig, bool 
     if (topic >= 0) selection.streams.push_back(log.Make(StreamKind::kGnss, topic, "gnss"));
   }
   AddCameras(log, rig, selection);
+  for (const SensorStream& stream : selection.streams)
+    if (const TopicInfo& topic = source.topics()[static_cast<std::size_t>(stream.topic)];
+        !topic.remark.empty())
+      selection.findings.push_back(Note("table_format", topic.topic, topic.remark));
   return selection;
 }
 

@@ -1,18 +1,22 @@
 #include "server/ingest/drive/timestamp_filter.h"
 
+#include <algorithm>
+
 namespace parkade {
 namespace {
 
 constexpr double kMaxStep = 1;        // [s] between records that follow each other without question
 constexpr double kMaxAheadOfImu = 2;  // [s]
+constexpr double kMaxLeadStep = 0.5;  // [s] by which a stream may come to lead the IMU by more
 constexpr double kMaxBehindImu = 10;  // [s]
 constexpr std::size_t kMaxHeld = 5;
 
-bool IsNear(Timestamp time, const std::optional<Timestamp>& imu_front) {
-  return imu_front && time - *imu_front <= kMaxAheadOfImu && *imu_front - time <= kMaxBehindImu;
-}
-
 }  // namespace
+
+bool TimestampFilter::IsNear(Timestamp time, const std::optional<Timestamp>& imu_front) const {
+  const double max_ahead = last_ ? std::min(kMaxAheadOfImu, lead_ + kMaxLeadStep) : kMaxAheadOfImu;
+  return imu_front && time - *imu_front <= max_ahead && *imu_front - time <= kMaxBehindImu;
+}
 
 std::vector<Arrival> TimestampFilter::Push(Arrival arrival,
                                            const std::optional<Timestamp>& imu_front,
@@ -30,6 +34,7 @@ std::vector<Arrival> TimestampFilter::Push(Arrival arrival,
   const bool follows = last_ && arrival.time - *last_ <= kMaxStep;
   if (follows || (!is_imu_ && IsNear(arrival.time, imu_front))) {
     DropHeld(health);  // they lie ahead: the stream did not follow them
+    if (imu_front) lead_ = std::max(0.0, arrival.time - *imu_front);
     Accept(std::move(arrival), health, released);
     return released;
   }

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/error.h"
+#include "server/ingest/files/drive_folder.h"
 
 namespace parkade {
 namespace {
@@ -33,11 +34,6 @@ bool IsPlainName(const std::string& name) {
   });
 }
 
-bool IsCameraName(const std::string& name) {
-  return name.size() >= 4 && name.size() <= 6 && name.starts_with("cam") &&
-         std::all_of(name.begin() + 3, name.end(), [](unsigned char c) { return std::isdigit(c); });
-}
-
 /// Hidden files are none: some programs put one beside each file.
 bool IsLogFileName(std::string_view name) {
   constexpr std::string_view kPacked = ".zstd";
@@ -58,7 +54,7 @@ std::optional<PathInDrive> ParseEurocPath(const std::vector<std::string>& parts)
   std::string root;
   for (std::size_t i = 0; i + 1 < parts.size() && i <= kMaxDepth; root += parts[i] + "/", ++i) {
     const std::string& sensor = parts[i];
-    const bool is_camera = IsCameraName(sensor);
+    const bool is_camera = CameraNumber(sensor, "cam").has_value();
     if (!is_camera && sensor != "imu0" && sensor != "odom0" && sensor != "gnss0") continue;
     std::vector<std::string> rest(parts.begin() + static_cast<std::ptrdiff_t>(i) + 1, parts.end());
     fs::path relative = sensor;
@@ -72,6 +68,36 @@ std::optional<PathInDrive> ParseEurocPath(const std::vector<std::string>& parts)
       return PathInDrive{root, relative / "data" / rest[1]};
   }
   return std::nullopt;
+}
+
+/// The same for drives of other layouts: KITTI's, or images and tables.
+std::optional<PathInDrive> ParseOtherPath(const std::vector<std::string>& parts) {
+  const std::string& name = parts.back();
+  const auto in_folder = [&](std::size_t depth) {
+    PathInDrive found;
+    for (std::size_t i = 0; i + depth < parts.size(); ++i) found.root += parts[i] + "/";
+    for (std::size_t i = parts.size() - depth; i < parts.size(); ++i) found.relative /= parts[i];
+    return found;
+  };
+  const auto folder = [&](std::size_t levels) {  // above the file
+    return levels < parts.size() ? std::string_view(parts[parts.size() - 1 - levels]) : "";
+  };
+  const auto is_kitti = [](std::string_view sensor) {
+    return sensor == "oxts" || CameraNumber(sensor, "image_");
+  };
+  if (!IsPlainName(name) || parts.size() > kMaxDepth + 3) return std::nullopt;
+  if (name == "imu.csv" || name == "wheels.csv" || name == "gnss.csv") return in_folder(1);
+  if (name == "timestamps.txt" && is_kitti(folder(1))) return in_folder(2);
+  if (folder(1) == "data" && is_kitti(folder(2))) return in_folder(3);
+  if (!IsStampedImage(name)) return std::nullopt;
+  if (CameraNumber(folder(1), "cam")) return in_folder(2);
+  return folder(1) == "semantic" && CameraNumber(folder(2), "cam") ? std::optional(in_folder(3))
+                                                                   : std::nullopt;
+}
+
+bool IsKittiCalibration(std::string_view name) {
+  return name == "calib_cam_to_cam.txt" || name == "calib_velo_to_cam.txt" ||
+         name == "calib_imu_to_velo.txt";
 }
 
 }  // namespace
@@ -90,9 +116,29 @@ std::optional<fs::path> ArchivePaths::PlaceOf(std::string_view path) {
   const std::vector<std::string> parts = SplitPath(path);
   if (parts.empty()) return std::nullopt;
   const std::optional<PathInDrive> euroc = ParseEurocPath(parts);
-  if (!euroc) return PlaceOfLogFile(parts);
+  if (!euroc) {
+    const std::optional<fs::path> log_file = PlaceOfLogFile(parts);
+    return log_file ? log_file : PlaceOfOtherFile(parts);
+  }
   Note(Kind::kEuroc, euroc->root);
   return euroc->relative;
+}
+
+std::optional<fs::path> ArchivePaths::PlaceOfOtherFile(const std::vector<std::string>& parts) {
+  constexpr std::size_t kMaxRoots = 100;
+  if (kind_) return std::nullopt;
+  // Where a drive looks for it: above its own folder.
+  if (IsKittiCalibration(parts.back())) return parts.back();
+  const std::optional<PathInDrive> found = ParseOtherPath(parts);
+  if (!found) return std::nullopt;
+  auto root = std::find(other_roots_.begin(), other_roots_.end(), found->root);
+  if (root == other_roots_.end()) {
+    if (other_roots_.size() == kMaxRoots) return std::nullopt;
+    root = other_roots_.insert(root, found->root);
+  }
+  // A table alone is no drive, and other things are called so, too.
+  has_other_drive_ = has_other_drive_ || found->relative.has_parent_path();
+  return fs::path("drive" + std::to_string(root - other_roots_.begin())) / found->relative;
 }
 
 std::optional<fs::path> ArchivePaths::PlaceOfLogFile(const std::vector<std::string>& parts) {
@@ -128,8 +174,8 @@ void ArchivePaths::Note(Kind kind, const std::string& root) {
 
 std::string ArchivePaths::SentenceWithoutDrive() const {
   return name_ +
-         " holds no drive: neither EuRoC (mav0 with imu0, cam0, ...) nor log files (.bag, .mcap, "
-         ".db3)";
+         " holds no drive: neither EuRoC (mav0 with imu0, cam0, ...), KITTI raw (oxts, image_00, "
+         "...) or images and tables (cam0, imu.csv, ...), nor log files (.bag, .mcap, .db3)";
 }
 
 void CheckHoldsDrive(const std::vector<std::string>& paths, const std::string& name) {

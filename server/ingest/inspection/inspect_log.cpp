@@ -1,139 +1,22 @@
 #include "server/ingest/inspection/inspect_log.h"
 
+#include <algorithm>
+#include <functional>
+#include <set>
+
 #include "core/error.h"
-#include "core/parallel.h"
+#include "server/ingest/checks/imu_checks.h"
 #include "server/ingest/drive/open_drive_log.h"
-#include "server/ingest/drive/stream_selection.h"
-#include "server/ingest/messages/image_decoding.h"
+#include "server/ingest/inspection/head_source.h"
+#include "server/ingest/inspection/inspect_topics.h"
 #include "server/ingest/messages/message_decoding.h"
 #include "server/ingest/schemas/mapped_source.h"
 #include "server/ingest/schemas/translated_source.h"
-#include "server/ingest/video/encoded_image.h"
 
 namespace parkade {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Decodes images in batches on all cores.
-class ImageBatch {
- public:
-  ImageBatch(const std::vector<TopicInfo>& topics, std::vector<TopicInspector>& inspectors)
-      : topics_(topics),
-        inspectors_(inspectors),
-        intakes_(topics.size()),
-        histories_(topics.size()) {}
-
-  void Add(RawMessage message, Timestamp time) {
-    num_bytes_ += message.data.size();
-    const auto topic = static_cast<std::size_t>(message.topic);
-    const bool is_sampled = histories_[topic].WantsSample(time);
-    images_.push_back(
-        {intakes_[topic].Take(std::move(message), StreamOf(topic)), topic, time, is_sampled});
-    if (images_.size() >= kMaxImages || num_bytes_ >= kMaxBytes) Flush();
-  }
-
-  void Flush() {
-    const auto found = ParallelMap(images_.size(), [&](std::size_t i) { return Look(images_[i]); });
-    for (std::size_t i = 0; i < images_.size(); ++i) {
-      const std::size_t topic = images_[i].topic;
-      if (found[i].fault.empty()) {
-        inspectors_[topic].IncludeImage(images_[i].time, found[i].width, found[i].height);
-        histories_[topic].Include(images_[i].time, found[i].glance, found[i].sample);
-      } else {
-        inspectors_[topic].IncludeFault(images_[i].time, found[i].fault);
-      }
-    }
-    images_.clear();
-    num_bytes_ = 0;
-  }
-
-  /// The histories by topic; empty where a topic is no camera.
-  std::vector<std::vector<CameraFault>> CameraFaults() const {
-    std::vector<std::vector<CameraFault>> faults(topics_.size());
-    std::vector<std::size_t> cameras;
-    std::vector<const ImageHistory*> histories;
-    for (std::size_t topic = 0; topic < topics_.size(); ++topic) {
-      if (!IsImageType(topics_[topic].type) || IsMaskTopic(topics_[topic].topic)) continue;
-      faults[topic] = histories_[topic].Faults();
-      cameras.push_back(topic);
-      histories.push_back(&histories_[topic]);
-    }
-    const std::vector<std::vector<CameraFault>> covers = DetectOcclusion(histories);
-    for (std::size_t i = 0; i < cameras.size(); ++i)
-      faults[cameras[i]].insert(faults[cameras[i]].end(), covers[i].begin(), covers[i].end());
-    return faults;
-  }
-
- private:
-  static constexpr std::size_t kMaxImages = 64, kMaxBytes = 48 << 20;
-
-  struct Image {
-    EncodedImage encoded;
-    std::size_t topic = 0;
-    Timestamp time;
-    bool is_sampled = false;
-  };
-  struct Found {
-    int width = 0, height = 0;
-    std::string fault;
-    ImageGlance glance;
-    std::optional<ImageSample> sample;
-  };
-
-  /// Masks of drivable ground are no images: they may well be dark.
-  static bool IsMaskTopic(const std::string& topic) {
-    return PlainTopic(topic).ends_with("/semantic");
-  }
-
-  SensorStream StreamOf(std::size_t topic) const {
-    SensorStream stream;
-    stream.type = topics_[topic].type;
-    stream.encoding = topics_[topic].encoding;
-    return stream;
-  }
-
-  Found Look(const Image& image) const {
-    const SensorStream stream = StreamOf(image.topic);
-    DecodedImage decoded = DecodeEncoded(image.encoded, stream, {});
-    if (decoded.fault != ImageFault::kNone) return {0, 0, decoded.what, {}, {}};
-    // Perhaps only 12 of 16 bits are in use: an image is not dark for that.
-    if (const std::optional<int> bits = SampleBits(image.encoded.message, stream))
-      decoded = DecodeEncoded(image.encoded, stream, {.sample_bits = *bits});
-    Found found{decoded.image.cols, decoded.image.rows, "", {}, {}};
-    if (IsMaskTopic(topics_[image.topic].topic)) return found;
-    found.glance = GlanceAt(decoded.image);
-    if (image.is_sampled) found.sample = SampleOf(decoded.image);
-    return found;
-  }
-
-  const std::vector<TopicInfo>& topics_;
-  std::vector<TopicInspector>& inspectors_;
-  std::vector<ImageIntake> intakes_;     // by topic
-  std::vector<ImageHistory> histories_;  // by topic
-  std::vector<Image> images_;
-  std::size_t num_bytes_ = 0;
-};
-
-void InspectTopics(const MessageSource& source, LogInspection& inspection) {
-  const std::vector<TopicInfo>& topics = source.topics();
-  std::vector<TopicInspector> inspectors(topics.begin(), topics.end());
-  ImageBatch images(topics, inspectors);
-  const auto stream = source.Read(std::vector<bool>(topics.size(), true));
-  while (std::optional<RawMessage> message = stream->Next()) {
-    const auto index = static_cast<std::size_t>(message->topic);
-    inspectors[index].IncludeMessage(*message);
-    if (IsImageType(topics[index].type))
-      images.Add(std::move(*message), inspectors[index].last_stamp());
-  }
-  images.Flush();
-  for (const TopicInspector& inspector : inspectors)
-    inspection.topics.push_back(inspector.Finish());
-  const std::vector<std::vector<CameraFault>> image_faults = images.CameraFaults();
-  for (std::size_t i = 0; i < topics.size(); ++i)
-    inspection.topics[i].image_faults = image_faults[i];
-  inspection.damage = stream->damage();
-}
 
 std::uint64_t NumGood(const LogInspection& inspection,
                       const std::function<bool(const std::string&)>& is_type) {
@@ -157,17 +40,95 @@ std::shared_ptr<const MessageSource> WithMappedTopics(
   }
 }
 
-LogState StateOf(const LogInspection& inspection, bool is_rig_given) {
+/// Opens the drive for what a map would say of the log. `state` is unusable where it would say that
+/// there is none, for all that the log or its owner brings.
+void TryToOpen(const std::shared_ptr<const MessageSource>& source, const fs::path& rig_folder,
+               LogInspection& inspection) {
+  try {
+    OpenLogOptions options;
+    options.rig_folder = rig_folder;
+    options.warn = false;
+    const auto drive = OpenDriveLog(source, inspection.name, options);
+    inspection.rig = drive->rig();
+    inspection.span = drive->span();
+    inspection.findings = drive->health().findings;
+  } catch (const UnusableLog& error) {
+    inspection.missing.push_back(error.what());
+    inspection.findings = error.findings();
+    inspection.state = LogState::kUnusable;
+  } catch (const Error& error) {
+    inspection.missing.push_back(error.what());
+    // A log may yet get the rig that it lacks.
+    if (!rig_folder.empty()) inspection.state = LogState::kUnusable;
+  }
+}
+
+/// After the topics have been looked at.
+LogState StateOf(const LogInspection& inspection) {
   const bool has_imu =
       NumGood(inspection, [](const std::string& type) { return type == "sensor_msgs/Imu"; }) > 0;
   const bool has_images = NumGood(inspection, IsImageType) > 0;
-  if (!has_imu || !has_images || (is_rig_given && !inspection.missing.empty()))
+  if (!has_imu || !has_images || inspection.state == LogState::kUnusable)
     return LogState::kUnusable;
   bool is_clean =
       inspection.damage.IsClean() && TextsOf(inspection.findings, Severity::kWarning).empty();
   for (const TopicInspection& topic : inspection.topics)
     is_clean = is_clean && topic.NumLost() == 0;
   return is_clean ? LogState::kClean : LogState::kLossy;
+}
+
+/// What the beginning of a log tells of all of it: units and mounting do not change on the way.
+/// Rates of a car at rest may be zero.
+bool IsLasting(const Finding& finding) {
+  static const std::set<std::string> lasting = {
+      "imu_axes",           "imu_axis_dead", "imu_in_cm",       "imu_in_g",
+      "imu_in_halves",      "imu_in_mg",     "imu_mounting",    "gyroscope_scale",
+      "imu_in_degrees",     "imu_scale",     "imu_upside_down", "imu_without_accelerations",
+      "imu_without_gravity"};
+  constexpr double kMinWay = 10;  // [m]
+  if (finding.severity != Severity::kUnusable) return false;
+  return lasting.contains(finding.name) ||
+         (finding.name == kImuWithoutRates && finding.evidence.at(kWay) > kMinWay);
+}
+
+/// Whether a log has no topic of a type, or no message by its index.
+bool LacksType(const MessageSource& source,
+               const std::function<bool(const std::string&)>& is_type) {
+  const std::vector<TopicInfo>& topics = source.topics();
+  const bool has_index = std::any_of(topics.begin(), topics.end(),
+                                     [](const TopicInfo& topic) { return topic.num_messages > 0; });
+  return std::none_of(topics.begin(), topics.end(), [&](const TopicInfo& topic) {
+    return is_type(topic.type) && (topic.num_messages > 0 || !has_index);
+  });
+}
+
+/// Whether many images came of each topic of images, and none could be decoded.
+bool AreImagesHopeless(const LogInspection& inspection) {
+  constexpr std::uint64_t kMany = 50;
+  return std::all_of(inspection.topics.begin(), inspection.topics.end(),
+                     [](const TopicInspection& topic) {
+                       return !IsImageType(topic.type) ||
+                              (topic.num_messages >= kMany && topic.num_undecodable >= kMany);
+                     });
+}
+
+/// Looks at the beginning of a log, whether it shows that the log is unusable.
+bool IsHopeless(const std::shared_ptr<const MessageSource>& source, const fs::path& rig_folder,
+                LogInspection& inspection) {
+  constexpr std::uint64_t kMaxImages = 60;  // of each topic
+  const auto beginning = HeadOf(source, {});
+  inspection.is_of_beginning = true;
+  InspectTopics(*WithMappedTopics(beginning, rig_folder), inspection, kMaxImages);
+  TryToOpen(beginning, rig_folder, inspection);
+  // An IMU may also come from a field map.
+  const bool lacks_imu = rig_folder.empty() && LacksType(*source, [](const std::string& type) {
+                           return type == "sensor_msgs/Imu";
+                         });
+  const bool is_hopeless =
+      lacks_imu || LacksType(*source, IsImageType) || AreImagesHopeless(inspection) ||
+      std::any_of(inspection.findings.begin(), inspection.findings.end(), IsLasting);
+  inspection.state = LogState::kUnusable;
+  return is_hopeless;
 }
 
 std::uint64_t SizeOf(const fs::path& log) {
@@ -181,40 +142,24 @@ std::uint64_t SizeOf(const fs::path& log) {
 
 }  // namespace
 
-int LogInspection::ExitStatus() const {
-  switch (state) {
-    case LogState::kClean: return 0;
-    case LogState::kLossy: return 3;
-    case LogState::kUnusable: break;
-  }
-  return 1;
-}
-
 LogInspection InspectLog(const fs::path& log, const fs::path& rig_folder,
-                         const fs::path& scratch_folder) {
+                         const fs::path& scratch_folder, std::uint64_t large_log) {
   const std::shared_ptr<const MessageSource> source = OpenTranslatedLog(log, scratch_folder);
   LogInspection inspection;
   inspection.name = log.filename().string();
   inspection.format = source->format();
   inspection.num_bytes = SizeOf(log);
-  InspectTopics(*WithMappedTopics(source, rig_folder), inspection);
-  for (const TopicInspection& topic : inspection.topics) {
-    if (topic.span.IsEmpty()) continue;
-    inspection.span.Include(topic.span.begin);
-    inspection.span.Include(topic.span.end);
+  const bool is_large = inspection.num_bytes >= large_log;
+  if (is_large) {
+    LogInspection beginning = inspection;
+    if (IsHopeless(source, rig_folder, beginning)) return beginning;
   }
-  try {
-    OpenLogOptions options;
-    options.rig_folder = rig_folder;
-    options.warn = false;
-    const auto drive = OpenDriveLog(source, inspection.name, options);
-    inspection.rig = drive->rig();
-    inspection.span = drive->span();
-    inspection.findings = drive->health().findings;
-  } catch (const Error& error) {
-    inspection.missing.push_back(error.what());
-  }
-  inspection.state = StateOf(inspection, !rig_folder.empty());
+  TryToOpen(source, rig_folder, inspection);
+  const bool is_read_in_part = is_large && inspection.state == LogState::kUnusable;
+  inspection.is_of_beginning = is_read_in_part;
+  const auto part = is_read_in_part ? HeadOf(source, {}) : source;
+  InspectTopics(*WithMappedTopics(part, rig_folder), inspection);
+  inspection.state = StateOf(inspection);
   return inspection;
 }
 

@@ -182,7 +182,8 @@ std::string InspectionToText(const LogInspection& log) {
       text += std::string(NameOf(severity)) + ": " + Printable(finding) + "\n";
   for (const std::string& missing : log.missing)
     text += "missing for a map: " + Printable(missing) + "\n";
-  return text + "state: " + NameOf(log.state) + "\n";
+  text += std::string("state: ") + NameOf(log.state);
+  return text + (log.is_of_beginning ? ", only the beginning was read\n" : "\n");
 }
 
 nlohmann::json InspectionToJson(const LogInspection& log) {
@@ -199,6 +200,7 @@ nlohmann::json InspectionToJson(const LogInspection& log) {
                          {"findings", ToJson(log.findings)},
                          {"warnings", WarningsOf(log.findings)},
                          {"state", NameOf(log.state)},
+                         {"is_of_beginning", log.is_of_beginning},
                          {"exit_status", log.ExitStatus()}};
   if (!log.span.IsEmpty()) {
     json["begin"] = ToDecimalSeconds(log.span.begin);

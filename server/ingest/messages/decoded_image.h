@@ -11,6 +11,7 @@ struct ImageRequest {
   int width = 0, height = 0;  ///< [px] as calibrated; 0: any size up to 64 megapixels
   bool grayscale = true;      ///< CV_8UC1; false: as recorded (CV_8UC3 BGR where colored)
   int sample_bits = 16;       ///< how many bits of 16-bit samples are in use, see SensorStream
+  bool is_intact = false;  ///< known from before: no damage is looked for that the codec forgives
 };
 
 /// Why there is no image.

@@ -107,6 +107,7 @@ DecodedImage DecodeJpeg(std::span<const std::uint8_t> data, const ImageRequest& 
                        reader.is_colored() && !request.grayscale ? CV_8UC3 : CV_8UC1);
   if (!reader.ReadPixels(decoded.image) || reader.num_warnings() > 0)
     return damaged(reader.message());
+  if (request.is_intact) return decoded;
   const JpegFinding finding = FindJpegDamage(data);
   if (finding.damage) return damaged(*finding.damage);
   if (reader.has_stray_bytes() && !finding.is_judged) return damaged("stray bytes before a marker");

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/timestamp.h"
 #include "server/ingest/containers/raw_message.h"
 
 namespace parkade {
@@ -26,7 +27,8 @@ struct SensorStream {
   std::string topic_name;
   std::string type;  ///< ROS 1 spelling
   MessageEncoding encoding = MessageEncoding::kRos1;
-  double time_shift = 0;        ///< [s] added to each stamp
+  double time_shift = 0;        ///< [s] added to each stamp; not of GNSS
+  std::vector<TimeSpan> stuck;  ///< an IMU whose driver repeats a reading then: not used
   std::vector<ClockRun> clock;  ///< in the order of the log; empty: one run, as it is
   // Units: what one of the log's is worth.
   double acceleration_scale = 1;  ///< [m/s^2]

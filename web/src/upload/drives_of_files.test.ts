@@ -55,6 +55,16 @@ test('an EuRoC folder is one drive with all that is in it', () => {
   ]);
 });
 
+test('a KITTI raw folder is one drive with the calibration above it', () => {
+  const inside = ['run_sync/oxts/timestamps.txt', 'run_sync/image_02/timestamps.txt', 'run_sync/image_02/data/0000000000.png', 'calib_cam_to_cam.txt'];
+  expect(short(inside.map((path) => `2011_09_26/${path}`))).toEqual([['2011_09_26', true, inside]]);
+});
+
+test('images called by their stamps and tables are one drive', () => {
+  const inside = ['cam0/1317042651.168.png', 'imu.csv', 'gnss.csv'];
+  expect(short(inside.map((path) => `lot/${path}`))).toEqual([['lot', true, inside]]);
+});
+
 test('what is no drive is said, with the reason', () => {
   const { drives, refused } = drivesIn([...files('notes.txt', 'rig/camchain-imucam.yaml'), { path: 'empty.bag', size: 0, source: '' }]);
   expect(drives).toEqual([]);

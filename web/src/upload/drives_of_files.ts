@@ -28,12 +28,13 @@ const kSplit = /^(.*?)[_.-](\d+)(\.(?:bag|mcap|db3)(?:\.zstd)?)$/i;
 
 const folderOf = (path: string) => path.slice(0, Math.max(0, path.lastIndexOf('/')));
 const nameOf = (path: string) => path.slice(path.lastIndexOf('/') + 1);
-const isHidden = (path: string) => path.split('/').some((part) => part.startsWith('.') || part === '__MACOSX');
+/** Files of the system, and KITTI's point clouds, which nobody reads. */
+const isHidden = (path: string) => path.split('/').some((part) => part.startsWith('.') || ['__MACOSX', 'velodyne_points'].includes(part));
 
 export function drivesIn<Source>(dropped: readonly DroppedFile<Source>[]): FoundDrives<Source> {
   const found: FoundDrives<Source> = { drives: [], refused: [] };
   let rest = dropped.filter(({ path }) => !isHidden(path));
-  for (const root of eurocRoots(rest)) {
+  for (const root of folderRoots(rest)) {
     const isInside = ({ path }: DroppedFile<Source>) => root === '' || path.startsWith(`${root}/`);
     found.drives.push(setOf(nameOf(root) || 'drive', root, rest.filter(isInside), found));
     rest = rest.filter((file) => !isInside(file));
@@ -42,13 +43,19 @@ export function drivesIn<Source>(dropped: readonly DroppedFile<Source>[]): Found
   return { ...found, drives: found.drives.filter(({ files }) => files.some(({ size }) => size > 0)) };
 }
 
-/** Folders that hold cam0/data.csv, or mav0 with that: EuRoC recordings. */
-function eurocRoots<Source>(files: readonly DroppedFile<Source>[]): string[] {
-  const roots = files
-    .filter(({ path }) => /(^|\/)cam\d+\/data\.csv$/.test(path))
-    .map(({ path }) => folderOf(folderOf(path)))
-    .map((root) => (nameOf(root) === 'mav0' ? folderOf(root) : root));
-  return [...new Set(roots)];
+/** Folders that are one drive: EuRoC's, KITTI raw's with the calibration above it, and those of images and tables. */
+function folderRoots<Source>(files: readonly DroppedFile<Source>[]): string[] {
+  const above = (path: string) => folderOf(folderOf(path));
+  const folders = (pattern: RegExp) => new Set(files.map(({ path }) => path).filter((path) => pattern.test(path)).map(above));
+  const has = (path: string) => files.some((file) => file.path === path);
+  const inside = (root: string, name: string) => (root === '' ? name : `${root}/${name}`);
+  const euroc = [...folders(/(^|\/)cam\d+\/data\.csv$/)].map((root) => (nameOf(root) === 'mav0' ? folderOf(root) : root));
+  const kitti = [...folders(/(^|\/)(oxts|image_\d+)\/timestamps\.txt$/)];
+  const withCalibration = kitti.map((root) =>
+    kitti.length === 1 && root !== '' && has(inside(folderOf(root), 'calib_cam_to_cam.txt')) ? folderOf(root) : root,
+  );
+  const plain = [...folders(/(^|\/)cam\d+\/[\d.]+\.(png|jpe?g)$/i)].filter((root) => has(inside(root, 'imu.csv')));
+  return [...new Set([...euroc, ...withCalibration, ...plain])];
 }
 
 function byFolder<Source>(files: readonly DroppedFile<Source>[]): Map<string, DroppedFile<Source>[]> {
@@ -120,7 +127,7 @@ function refuseEmpty<Source>(files: DroppedFile<Source>[], found: FoundDrives<So
 
 function whyNot(path: string): string {
   if (kRig.test(path)) return 'it belongs to a rig: add rigs under Rigs';
-  return 'it is no drive log: those are ROS bags, MCAP, rosbag2, EuRoC folders, and archives of them';
+  return 'it is no drive log: those are ROS bags, MCAP, rosbag2, folders of EuRoC, KITTI raw or images and tables, and archives of them';
 }
 
 /** What the service takes as a site's or rig's name. */

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <numbers>
 #include <random>
 
@@ -11,6 +12,7 @@
 namespace parkade {
 namespace {
 
+constexpr Timestamp kBegin{1'700'000'000'000'000'000};
 const CheckedTopics kTopics = {"/imu", "/odom", "/fix", {}};
 
 /// A car that drives 20 s of curves, and what was done to its samples.
@@ -19,10 +21,12 @@ struct Drive {
   std::function<void(WheelSample&)> alter_wheels = [](WheelSample&) {};
   std::function<void(GnssFix&)> alter_fix = [](GnssFix&) {};
   bool has_wheels = true, has_vehicle = true;
+  double gyroscope_noise = 1e-3;  ///< [rad/s/sqrt(Hz)], by the rig
 };
 
 std::vector<Finding> Check(const Drive& drive) {
   Rig rig;
+  rig.imu.gyroscope_noise_density = drive.gyroscope_noise;
   rig.body_from_imu.rotation = ExpSo3({0, 0, 0.3});
   if (drive.has_vehicle) rig.vehicle.emplace();
   LogChecks checks(rig);
@@ -33,7 +37,7 @@ std::vector<Finding> Check(const Drive& drive) {
                            sigma * Eigen::Vector3d(noise(random), noise(random), noise(random)));
   };
   for (int i = 0; i < 4000; ++i) {
-    const Timestamp time = Timestamp{1'700'000'000'000'000'000} + 0.005 * i;
+    const Timestamp time = kBegin + 0.005 * i;
     const double yaw_rate = 0.5 * std::sin(0.0025 * i), speed = 3;
     const Eigen::Quaterniond imu_from_body = rig.body_from_imu.rotation.conjugate();
     ImuSample sample{time, noisy(imu_from_body * Eigen::Vector3d(0, 0, yaw_rate), 0.01),
@@ -77,7 +81,7 @@ TEST(LogChecks, KnowUnitsOfAccelerations) {
   };
   EXPECT_EQ(NamesOf(scaled(1 / 9.81)), "imu_in_g");
   EXPECT_EQ(NamesOf(scaled(1000 / 9.81)), "imu_in_mg");
-  EXPECT_EQ(NamesOf(scaled(1e-3)), "imu_without_gravity");
+  EXPECT_EQ(NamesOf(scaled(1e-3)), "imu_scale");
   EXPECT_EQ(NamesOf(scaled(2.3)), "imu_scale");
   EXPECT_EQ(NamesOf(scaled(1.1)), "imu_gain");
   EXPECT_EQ(NamesOf(scaled(1.02)), "");
@@ -86,6 +90,14 @@ TEST(LogChecks, KnowUnitsOfAccelerations) {
   EXPECT_NE(ToText(finding).find("the IMU /imu reads accelerations in g"), std::string::npos);
   EXPECT_NE(ToText(finding).find("accelerometer_scale: 9.80665"), std::string::npos);
   EXPECT_THROW(RequireUsable({finding}), Error);
+}
+
+TEST(LogChecks, TakeWhatPushesACarForNoGain) {
+  const std::vector<Finding> findings = CheckImu([](ImuSample& sample, int i) {
+    sample.linear_acceleration.x() += i / 100 % 2 == 0 ? 4.5 : -4.5;  // 10.8 m/s2 in all
+  });
+
+  EXPECT_EQ(NamesOf(findings).find("imu_gain"), std::string::npos);
 }
 
 TEST(LogChecks, KnowAccelerationsWithoutGravity) {
@@ -104,6 +116,12 @@ TEST(LogChecks, KnowHalvesOfAnImu) {
   EXPECT_EQ(without(&ImuSample::linear_acceleration, 1), "imu_without_accelerations");
   EXPECT_EQ(without(&ImuSample::angular_velocity, 2), "imu_in_halves");
   EXPECT_EQ(without(&ImuSample::linear_acceleration, 2), "imu_in_halves");
+}
+
+TEST(LogChecks, SayHowFarTheCarWentWithoutRates) {
+  const auto without_rates = [](ImuSample& sample, int) { sample.angular_velocity.setZero(); };
+  EXPECT_NEAR(CheckImu(without_rates).at(0).evidence.at(kWay), 60, 1);
+  EXPECT_EQ(Check({.alter_imu = without_rates, .has_wheels = false}).at(0).evidence.at(kWay), 0);
 }
 
 TEST(LogChecks, KnowRatesInDegrees) {
@@ -164,6 +182,112 @@ TEST(LogChecks, KnowCoarseAndSaturatedReadings) {
               sample.angular_velocity.z() = std::clamp(sample.angular_velocity.z(), -0.45, 0.45);
             })),
             "imu_saturated");
+  EXPECT_EQ(NamesOf(CheckImu([](ImuSample& sample, int) {
+              sample.angular_velocity.z() = std::clamp(sample.angular_velocity.z(), -0.1, 0.1);
+            })),
+            "imu_saturated");
+}
+
+TEST(LogChecks, KnowAnAxisThatReadsNothing) {
+  const auto dead = [](Eigen::Vector3d ImuSample::*sensor, Eigen::Index axis) {
+    return NamesOf(CheckImu([=](ImuSample& sample, int) { (sample.*sensor)[axis] = 0; }));
+  };
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    EXPECT_NE(dead(&ImuSample::angular_velocity, axis).find("imu_axis_dead"), std::string::npos);
+    EXPECT_NE(dead(&ImuSample::linear_acceleration, axis).find("imu_axis_dead"), std::string::npos);
+  }
+}
+
+TEST(LogChecks, LetAnAxisReadTheSameAtRest) {
+  const std::vector<Finding> findings = Check({.alter_imu =
+                                                   [](ImuSample& sample, int) {
+                                                     sample.angular_velocity *= 0.1;
+                                                     sample.angular_velocity.y() = 0;
+                                                   },
+                                               .has_wheels = false});
+  EXPECT_EQ(NamesOf(findings), "");
+}
+
+TEST(LogChecks, KnowReadingsThatADriverRepeats) {
+  const auto stuck_from = [](int first, int last, double speed) {
+    auto kept = std::make_shared<ImuSample>();
+    return Check({.alter_imu =
+                      [=](ImuSample& sample, int i) {
+                        if (i == first) *kept = sample;
+                        if (i < first || i >= last) return;
+                        sample.angular_velocity = kept->angular_velocity;
+                        sample.linear_acceleration = kept->linear_acceleration;
+                      },
+                  .alter_wheels =
+                      [=](WheelSample& wheels) {
+                        if (wheels.time - kBegin >= 0.005 * first) wheels.forward_speed = speed;
+                      }});
+  };
+  EXPECT_EQ(NamesOf(stuck_from(2000, 4000, 3)), kImuStuck);
+  EXPECT_EQ(NamesOf(stuck_from(2000, 2400, 3)), kImuStuck);
+  EXPECT_EQ(NamesOf(stuck_from(2000, 2050, 3)), "") << "a quarter of a second";
+  EXPECT_EQ(NamesOf(stuck_from(2000, 4000, 0)), "") << "a car at rest";
+}
+
+TEST(LogChecks, KnowAnImuThatIsSlowOrComesInPackets) {
+  const auto with_stamps = [](const std::function<double(int)>& stamp_of, int every) {
+    Rig rig;
+    rig.vehicle.emplace();
+    LogChecks checks(rig);
+    for (int i = 0; i < 2000; i += every)
+      checks.Include(ImuSample{kBegin + stamp_of(i),
+                               {0.001 * (i % 7), 0.002 * (i % 5), 0.1},
+                               {0.01 * (i % 3), 0.01 * (i % 11), 9.81}});
+    return NamesOf(checks.Findings(kTopics));
+  };
+  const auto even = [](int i) { return 0.01 * i; };
+  EXPECT_EQ(with_stamps(even, 1).find("imu_"), std::string::npos);
+  EXPECT_NE(with_stamps(even, 20).find("imu_slow"), std::string::npos);
+  const auto in_packets = [](int i) { return 0.2 * (i / 20) + 1e-5 * (i % 20); };
+  EXPECT_NE(with_stamps(in_packets, 1).find("imu_in_packets"), std::string::npos);
+}
+
+TEST(LogChecks, KnowNoisesThatNoImuHas) {
+  EXPECT_EQ(NamesOf(Check({.gyroscope_noise = 1e-9})), "imu_noise_too_small");
+  EXPECT_EQ(NamesOf(Check({.gyroscope_noise = 2e-6})), "");
+}
+
+TEST(LogChecks, MeasureHowLateWheelsAre) {
+  for (const double delay : {0.05, 0.35, -0.2}) {
+    const std::vector<Finding> findings =
+        Check({.alter_wheels = [=](WheelSample& wheels) { wheels.time = wheels.time + delay; }});
+    ASSERT_EQ(NamesOf(findings), kWheelsLate) << delay;
+    EXPECT_NEAR(findings[0].evidence.at(kDelay), delay, 0.01);
+  }
+}
+
+TEST(LogChecks, KnowWheelsOfTheDashboard) {
+  EXPECT_EQ(NamesOf(Check({.alter_wheels =
+                               [](WheelSample& wheels) {
+                                 const double seconds = wheels.time - kBegin;
+                                 wheels.forward_speed = 0.5 * std::floor(seconds / 2);
+                               }})),
+            kWheelsAreCoarse);
+}
+
+TEST(LogChecks, KnowWheelsThatStick) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 0.01);
+  double speed = 0;
+  const auto from = [&](double seconds, double shown) {
+    return NamesOf(Check({.alter_wheels = [&, seconds, shown](WheelSample& sample) {
+      if (sample.time - kBegin < seconds) {
+        speed = sample.forward_speed + noise(random);
+        sample.forward_speed = speed;
+      } else {
+        sample.forward_speed = shown < 0 ? speed : shown;
+        sample.yaw_rate = 0.1;
+      }
+    }}));
+  };
+  EXPECT_EQ(from(100, 0).find(kWheelsStick), std::string::npos);
+  EXPECT_NE(from(15, -1).find(kWheelsStick), std::string::npos);
+  EXPECT_EQ(from(15, 0).find(kWheelsStick), std::string::npos) << "a car may stand";
 }
 
 TEST(LogChecks, KnowWheelsThatNeverTurnAndFixesThatNeverMove) {

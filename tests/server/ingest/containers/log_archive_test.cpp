@@ -142,8 +142,9 @@ TEST_F(LogArchives, WithoutOneDriveAreRefusedWithASentence) {
   EXPECT_EQ(ErrorOf({bag, {"b.bag", "x"}}),
             "drive.zip holds log files in several folders: give one of them");
   EXPECT_EQ(ErrorOf({{"metadata.yaml", "x"}}),
-            "drive.zip holds no drive: neither EuRoC (mav0 with imu0, cam0, ...) nor log files "
-            "(.bag, .mcap, .db3)");
+            "drive.zip holds no drive: neither EuRoC (mav0 with imu0, cam0, ...), KITTI raw (oxts, "
+            "image_00, "
+            "...) or images and tables (cam0, imu.csv, ...), nor log files (.bag, .mcap, .db3)");
   EXPECT_EQ(ErrorOf({{"a (1).bag", "x"}}),
             "drive.zip holds 'a (1).bag': the name of a log file is at most 128 letters, digits, "
             "dots, dashes and underscores");
@@ -201,6 +202,9 @@ TEST_F(LogArchives, AreJudgedByTheirPathsBeforehand) {
   EXPECT_EQ(error_of({"drive/a_0.bag", "drive/a_1.bag", "drive/notes.txt"}), "");
   EXPECT_EQ(error_of({"a_0.db3.zstd", "metadata.yaml"}), "");
   EXPECT_EQ(error_of({"mav0/imu0/data.csv", "mav0/cam0/data/1.png"}), "");
+  EXPECT_EQ(error_of({"date/calib_cam_to_cam.txt", "date/run/image_02/timestamps.txt"}), "");
+  EXPECT_EQ(error_of({"lot/imu.csv", "lot/cam0/1317042651.168.png"}), "");
+  EXPECT_NE(error_of({"lot/imu.csv", "lot/notes.txt"}).find("holds no drive"), std::string::npos);
   EXPECT_EQ(error_of({"a.bag", "b/b.bag"}),
             "the set holds log files in several folders: give one of them");
   EXPECT_NE(error_of({"a.pdf", "b.pdf"}).find("the set holds no drive"), std::string::npos);

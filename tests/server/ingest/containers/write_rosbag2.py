@@ -1,9 +1,9 @@
 """Writes the sample drive in the layout of rosbag2's sqlite3 storage.
 
-    write_rosbag2.py OUT.db3 [messages=zstd] [index=no] [wal=all|half]
+    write_rosbag2.py OUT.db3 [messages=zstd] [index=no] [wal=all|half] [set_back=SECONDS]
 
 With wal= the files are left as by a recorder that was killed: everything, or the messages from the middle on, in
-OUT.db3-wal.
+OUT.db3-wal. With set_back= the recorder's clock was set back so far before the messages from the middle on.
 """
 import ctypes
 import os
@@ -51,7 +51,10 @@ for index, (topic, type_name, _, _, _) in enumerate(TOPICS):
     database.execute("INSERT INTO topics VALUES(?, ?, ?, 'cdr', '', 'RIHS01_0')", (index + 1, topic, ros2_type))
     database.execute("INSERT INTO message_definitions VALUES(?, ?, 'ros2msg', 'uint8[] data', 'RIHS01_0')",
                      (index + 1, ros2_type))
+set_back = next((int(setting[9:]) for setting in settings if setting.startswith("set_back=")), 0)
 for number, (topic, _, time, data) in enumerate(messages()):
+    if number >= 355:
+        time -= set_back * 10**9
     if number == 355 and wal == "half":
         database.commit()
         database.execute("PRAGMA wal_checkpoint(TRUNCATE)")

@@ -76,6 +76,7 @@ struct Faults {
   std::function<std::int64_t(int)> imu_stamp_ms = [](int ms) { return ms; };
   std::function<std::int64_t(int)> image_stamp_ms = [](int ms) { return ms; };
   int milliseconds = 6000;
+  double speed = 1.5;  // [m/s] that the wheels say; 0: nor do they say any turn
 };
 
 MemorySource MakeLog(const Faults& faults) {
@@ -88,7 +89,9 @@ MemorySource MakeLog(const Faults& faults) {
     if (ms % 20 == 3)
       log.Add("/odom", "nav_msgs/Odometry", now,
               OdometryBytes(log.Writer(), kBegin + faults.imu_stamp_ms(ms) * kMs,
-                            {.x = 0.0015 * ms, .speed = 1.5, .yaw_rate = 0.1}));
+                            {.x = 0.001 * faults.speed * ms,
+                             .speed = faults.speed,
+                             .yaw_rate = faults.speed == 0 ? 0 : 0.1}));
     if (ms % 100 != 7) continue;
     ImageValues image{64, 48, 192, "rgb8", false, std::vector<std::uint8_t>(192 * 48)};
     for (std::size_t i = 0; i < image.data.size(); ++i)
@@ -203,6 +206,13 @@ TEST_F(ConvertLogTest, ASensorOfWhichNothingIsLeftIsNotInTheRig) {
   const Rig clean = ReadRig(conversion.rig);
   ASSERT_EQ(clean.cameras.size(), 1U);
   EXPECT_EQ(clean.cameras[0].topic, "/front/image_raw");
+}
+
+TEST_F(ConvertLogTest, AStreamThatIsLeftOutWholeCounts) {
+  const Conversion conversion = Convert(MakeLog({.speed = 0}), RigOfTest());
+
+  EXPECT_EQ(conversion.drives.at(0).num_left_out, 300U);
+  EXPECT_EQ(ReadRig(conversion.rig).vehicle->wheel_topic, "");
 }
 
 TEST_F(ConvertLogTest, EachStretchBetweenLeapsIsALogOfItsOwn) {

@@ -157,6 +157,7 @@ TEST(EurocDrive, DamagedImagesAndLinesAreCountedAndSkipped) {
   Edit(mav0 / "imu0" / "data.csv", "1000140000000,", "banana,");
   Edit(mav0 / "imu0" / "data.csv", "1000150000000,0.01,0.02", "1000150000000,0.01");
   const auto log = OpenDriveLog(folder.path());
+  EXPECT_TRUE(log->health().Warnings().empty()) << "no image was decoded yet";
 
   const auto records = ReadAll(*log);
 
@@ -175,6 +176,8 @@ TEST(EurocDrive, DamagedImagesAndLinesAreCountedAndSkipped) {
   EXPECT_EQ(camera.num_delivered, 18u);
   EXPECT_EQ(camera.Dropped(DropReason::kDamaged), 2u);
   EXPECT_EQ(camera.Dropped(DropReason::kWrongSize), 1u);
+  ASSERT_EQ(health.Warnings().size(), 1u);
+  EXPECT_NE(health.Warnings()[0].find("loses 3 of 21 messages"), std::string::npos);
 }
 
 TEST(EurocDrive, AStampFarAheadDoesNotHoldUpTheRest) {
@@ -218,6 +221,29 @@ TEST(EurocDrive, TheNamesOfColumnsNeedNoHash) {
   EXPECT_EQ(Select<ImuSample>(ReadAll(*log)).size(), 201u);
 
   EXPECT_TRUE(log->health().damage.IsClean());
+}
+
+TEST(EurocDrive, AccelerationsOfACarThatAreSomePercentOffAreCorrected) {
+  const TestFolder folder;
+  const fs::path mav0 = folder.path() / "mav0";
+  WriteEurocFolder(mav0, {.num_cameras = 1, .has_wheels = true});
+  std::string imu;
+  for (std::int64_t i = 0; i <= 200; ++i)
+    imu += std::to_string(1'000'000'000'000 + i * 10'000'000) + ",0,0,0.01,0,0,10.59118\n";
+  WriteText(mav0 / "imu0" / "data.csv", imu);
+  const auto log = OpenDriveLog(folder.path());
+
+  // 8 % more than gravity.
+  EXPECT_NEAR(Select<ImuSample>(ReadAll(*log))[7].linear_acceleration.z(), 9.80665, 1e-4);
+
+  ASSERT_EQ(log->health().findings.size(), 1u);
+  EXPECT_EQ(ToText(log->health().findings[0]),
+            "the IMU imu0 reads accelerations 1.08 times too large, as it seems: 10.6 m/s2 where "
+            "gravity alone makes 9.8; they are used times 0.9259: set accelerometer_scale: 0.9259 "
+            "in imu0.yaml");
+  fs::remove_all(mav0 / "odom0");  // what flies may pull so much
+  EXPECT_NEAR(Select<ImuSample>(ReadAll(*OpenDriveLog(folder.path())))[7].linear_acceleration.z(),
+              10.59118, 1e-9);
 }
 
 TEST(EurocDrive, SemanticImagesBecomeMasks) {

@@ -72,7 +72,9 @@ inline void WriteEurocFolder(const std::filesystem::path& mav0,
   const int num_samples = static_cast<int>(options.seconds * 100);
   for (int i = 0; i <= num_samples; ++i) {
     const std::string stamp = std::to_string(options.begin_ns + i * 10'000'000LL);
-    imu += stamp + ",0.01,0.02,0.03,0.1,0.2," + std::to_string(9.8 + i * 1e-3) + "\n";
+    const std::string sway = std::to_string(i % 2);  // of a millimeter per second squared
+    imu += stamp + ",0.01,0.02,0.03,0.100" + sway + ",0.200" + sway + "," +
+           std::to_string(9.8 + i * 1e-3) + "\n";
     if (i % 2 == 0) wheels += stamp + ",1.5,0.25\n";
     if (i % 100 == 0) gnss += stamp + ",48.1,11.5,512.25,0.5,0.6,1.5\n";
   }

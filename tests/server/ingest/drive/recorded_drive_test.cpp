@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "core/error.h"
 #include "server/ingest/drive/open_drive_log.h"
@@ -349,6 +350,36 @@ TEST(RecordedDrive, ARigFolderIsMatchedToTopicsAndShiftsTheImages) {
   write("/cam_left/image_raw", "/imu/data");
   EXPECT_EQ(WhatOpeningThrows(MakeLog({}), options),
             "the rig's IMU topic /imu/data is not in the log, which has /imu");
+}
+
+/// A second of images of one camera, each fifth of them with a stray byte that libjpeg forgives.
+MemorySource LogOfJpegs() {
+  MemorySource log = MakeLog({.milliseconds = 1000, .cameras = {"/cam_front"}});
+  std::vector<std::uint8_t> whole;
+  cv::imencode(".jpg", cv::Mat(48, 64, CV_8UC1, cv::Scalar(90)), whole);
+  std::vector<std::uint8_t> damaged = whole;
+  damaged.insert(damaged.end() - 2, 1);
+  for (int i = 0; i < 20; ++i) {
+    const std::int64_t stamp = kBegin + 50 * i * kMs;
+    log.Add("/cam_left/camera_info", "sensor_msgs/CameraInfo", stamp,
+            CameraInfoBytes(log.Writer(), stamp, "cam_left"));
+    log.Add("/cam_left/image_raw/compressed", "sensor_msgs/CompressedImage", stamp,
+            CompressedImageBytes(log.Writer(), stamp, "cam_left", i % 5 == 3 ? damaged : whole));
+  }
+  return log;
+}
+
+TEST(RecordedDrive, EveryPassLeavesOutDamagedImages) {
+  MemorySource log = LogOfJpegs();
+  log.Add(
+      "/tf_static", "tf2_msgs/TFMessage", kBegin,
+      TransformBytes(log.Writer(), {{"base_link", "cam_left", {2, 0, 1}, {-0.5, 0.5, -0.5, 0.5}}}));
+  const auto drive = Open(log);
+
+  for (int pass = 0; pass < 3; ++pass) {
+    EXPECT_EQ(ReadAll(*drive).images, 21 + 16) << "of two cameras";
+    EXPECT_EQ(drive->health().streams.back().Dropped(DropReason::kDamaged), 4u);
+  }
 }
 
 TEST(RecordedDrive, EveryPassIsTheSameWhateverTheThreads) {

@@ -52,6 +52,20 @@ TEST(TimestampFilter, ALoneJumpOfTheImuIsDroppedWhereverItStands) {
   }
 }
 
+TEST(TimestampFilter, AnImageThatIsAheadByAGlitchIsDroppedAlone) {
+  const std::vector<int> imu = Range(100'000, 110'000, 200);
+  for (const int jump : {1'500, 2'000, 3'600'000}) {
+    std::vector<int> stamps = imu;
+    stamps[20] += jump;
+
+    StreamHealth health;
+    std::vector<int> expected = imu;
+    expected.erase(expected.begin() + 20);
+    EXPECT_EQ(Filtered(false, stamps, imu, health), expected) << jump;
+    EXPECT_EQ(health.NumDropped(), 1u);
+  }
+}
+
 TEST(TimestampFilter, AGapOfTheImuLosesNothing) {
   std::vector<int> stamps = Range(100'000, 101'000, 10);
   for (const int stamp : Range(200'000, 201'000, 10)) stamps.push_back(stamp);

@@ -151,6 +151,72 @@ TEST(InspectLog, WithoutImuOrImagesTheLogIsUnusable) {
   EXPECT_EQ(InspectLog(folder.path() / "b").ExitStatus(), 1);
 }
 
+/// A drive of half a minute whose accelerations are in g.
+void WriteDriveInG(const fs::path& mav0) {
+  WriteEurocFolder(mav0, {.seconds = 30, .num_cameras = 1});
+  std::string imu = "#timestamp [ns]\n";
+  for (std::int64_t i = 0; i <= 3000; ++i)
+    imu += std::to_string(1'000'000'000'000 + i * 10'000'000) + ",0,0.01,0.02," +
+           (i % 2 == 0 ? "0,0.01,1.01" : "0.01,0,0.99") + "\n";
+  WriteText(mav0 / "imu0" / "data.csv", imu);
+}
+
+TEST(InspectLog, WhatMakesALogUnusableIsAFindingAlsoWithItsOwnRig) {
+  const TestFolder folder;
+  WriteDriveInG(folder.path() / "mav0");
+
+  const LogInspection inspection = InspectLog(folder.path());
+
+  EXPECT_EQ(inspection.ExitStatus(), 1);
+  ASSERT_EQ(inspection.findings.size(), 1u);
+  EXPECT_EQ(inspection.findings[0].name, "imu_in_g");
+  EXPECT_EQ(inspection.missing, std::vector<std::string>{ToText(inspection.findings[0])});
+  EXPECT_FALSE(inspection.is_of_beginning);
+  EXPECT_EQ(Topic(inspection, "imu0").num_messages, 3001u);
+}
+
+TEST(InspectLog, OfALargeLogThatIsUnusableOnlyTheBeginningIsRead) {
+  const TestFolder folder;
+  WriteDriveInG(folder.path() / "mav0");
+
+  const LogInspection inspection = InspectLog(folder.path(), {}, {}, /*large_log=*/0);
+
+  EXPECT_EQ(inspection.ExitStatus(), 1);
+  EXPECT_EQ(inspection.findings[0].name, "imu_in_g");
+  EXPECT_TRUE(inspection.is_of_beginning);
+  EXPECT_EQ(Topic(inspection, "imu0").num_messages, 2002u);
+  EXPECT_NE(InspectionToText(inspection).find("state: unusable, only the beginning was read\n"),
+            std::string::npos);
+}
+
+TEST(InspectLog, OfALargeLogWithoutImuOrSoundImagesOnlyTheBeginningIsRead) {
+  const TestFolder folder;
+  WriteEurocFolder(folder.path() / "a" / "mav0", {.seconds = 30, .num_cameras = 1});
+  WriteEurocFolder(folder.path() / "b" / "mav0", {.seconds = 30, .num_cameras = 1});
+  fs::remove_all(folder.path() / "a" / "mav0" / "imu0");
+  for (const auto& image : fs::directory_iterator(folder.path() / "b" / "mav0" / "cam0" / "data"))
+    WriteText(image.path(), "no image");
+
+  for (const char* log : {"a", "b"}) {
+    const LogInspection inspection = InspectLog(folder.path() / log, {}, {}, /*large_log=*/0);
+
+    EXPECT_EQ(inspection.ExitStatus(), 1) << log;
+    EXPECT_TRUE(inspection.is_of_beginning) << log;
+    EXPECT_FALSE(inspection.missing.empty()) << log;
+  }
+}
+
+TEST(InspectLog, ALargeLogThatCanBeUsedIsReadToItsEnd) {
+  const TestFolder folder;
+  WriteEurocFolder(folder.path() / "mav0", {.seconds = 30});
+
+  const LogInspection large = InspectLog(folder.path(), {}, {}, /*large_log=*/0);
+
+  EXPECT_FALSE(large.is_of_beginning);
+  EXPECT_EQ(InspectionToText(large), InspectionToText(InspectLog(folder.path())));
+  EXPECT_EQ(Topic(large, "imu0").num_messages, 3001u);
+}
+
 TEST(InspectLog, WhatIsNoLogIsRefusedWithOneSentence) {
   const TestFolder folder;
   WriteText(folder.path() / "empty.bag", "");

@@ -413,6 +413,17 @@ TEST(CompressedImages, OtherBytesBeforeAMarkerAreDamage) {
             ImageFault::kDamaged);
 }
 
+TEST(CompressedImages, NoDamageThatTheCodecForgivesIsLookedForInAnIntactImage) {
+  const ImageRequest intact{.is_intact = true};
+  const Bytes whole = Encode(Scene(6), ".jpg"), stuffed = Stuffed(whole, {0, 0, 1});
+  const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.size() / 2));
+
+  EXPECT_EQ(
+      MaxDifference(DecodeCompressed(stuffed, intact).image, DecodeCompressed(whole, kGray).image),
+      0);
+  EXPECT_EQ(DecodeCompressed(cut, intact).fault, ImageFault::kDamaged);
+}
+
 TEST(CompressedImages, CodedDataThatTurnToZerosAreDamage) {
   for (const Bytes& whole : WebcamJpegs(7)) {
     const std::vector<std::size_t> edges = EdgesOfScan(whole);
