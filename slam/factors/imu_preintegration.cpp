@@ -3,6 +3,8 @@
 #include <cassert>
 #include <utility>
 
+#include "slam/factors/imu_noise.h"
+
 namespace parkade {
 namespace {
 
@@ -76,7 +78,7 @@ MotionState PropagateBack(const MotionState& state, const MotionIncrement& incre
 
 ImuPreintegration::ImuPreintegration(std::vector<ImuSample> samples, const ImuBias& bias,
                                      const ImuCalibration& calibration)
-    : samples_(std::move(samples)), calibration_(calibration) {
+    : samples_(std::move(samples)), calibration_(WithMeasuredNoise(calibration, samples_)) {
   assert(samples_.size() >= 2);
   Reintegrate(bias);
 }

@@ -51,7 +51,8 @@ class ImuPreintegration {
  public:
   using Matrix9d = Eigen::Matrix<double, 9, 9>;
 
-  /// `samples` start and end exactly at the two instants; at least two.
+  /// `samples` start and end exactly at the two instants; at least two. Where they are noisier than
+  /// `calibration` has it, so is the increment.
   ImuPreintegration(std::vector<ImuSample> samples, const ImuBias& bias,
                     const ImuCalibration& calibration);
 

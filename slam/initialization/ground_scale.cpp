@@ -11,7 +11,7 @@ namespace {
 constexpr double kMinHeight = 0.2;       // [m] of a camera above the ground, to be of use
 constexpr double kMinDepression = 0.15;  // sine of the angle below the horizon
 constexpr double kMinCertainty = 6;      // inverse distance / sigma of a point that counts
-constexpr double kBandwidth = 0.08;      // of the logarithm of the scale
+constexpr double kBandwidth = 0.05;      // of the logarithm of the scale: verges lie above the road
 constexpr double kWidth = 0.15;          // about the peak
 constexpr int kMinPoints = 5, kManyPoints = 12;
 constexpr double kMinShare = 0.25;      // of the points below the cameras
@@ -42,11 +42,13 @@ std::optional<GroundScale> MeasureGroundScale(const StartProblem& problem, const
     if (sine < kMinDepression) continue;
     heights.push_back({std::log(height * track.inverse_distance / sine), image.camera});
   }
+  const auto closeness = [](double log_scale, double peak) {
+    return std::exp(-0.5 * std::pow((log_scale - peak) / kBandwidth, 2));
+  };
   double highest = 0, peak = 0;
   for (const Height& at : heights) {
     double density = 0;
-    for (const Height& other : heights)
-      density += std::exp(-0.5 * std::pow((other.log_scale - at.log_scale) / kBandwidth, 2));
+    for (const Height& other : heights) density += closeness(other.log_scale, at.log_scale);
     if (density > highest) {
       highest = density;
       peak = at.log_scale;
@@ -55,8 +57,8 @@ std::optional<GroundScale> MeasureGroundScale(const StartProblem& problem, const
   GroundScale scale;
   std::set<int> cameras;
   for (const Height& at : heights) {
+    scale.log_scale += closeness(at.log_scale, peak) * at.log_scale;
     if (std::abs(at.log_scale - peak) > kWidth) continue;
-    scale.log_scale += at.log_scale;
     ++scale.num_points;
     cameras.insert(at.camera);
   }
@@ -64,7 +66,7 @@ std::optional<GroundScale> MeasureGroundScale(const StartProblem& problem, const
   const double needed =
       std::max(kMinShare * below, std::min<double>(kManyPoints, kMinShareOfFew * below));
   if (scale.num_points < std::max<double>(kMinPoints, needed)) return std::nullopt;
-  scale.log_scale /= scale.num_points;
+  scale.log_scale /= highest;
   scale.sigma = std::hypot(kSigma, kSigmaOfCamera / std::sqrt(static_cast<double>(cameras.size())));
   return scale;
 }

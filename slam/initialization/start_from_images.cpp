@@ -180,8 +180,11 @@ std::optional<StartEstimate> StartFromImages(const ImuBuffer& imu,
     return std::sqrt(kCorrelation * std::max(0.0, SymmetricEigenvalues(matrix).maxCoeff()));
   };
   const double speed = fit.motion.velocity.norm();
-  const double velocity_sigma =
-      std::max(largest(fit.covariance.topLeftCorner<3, 3>()), speed * scale.sigma);
+  // Along the velocity sigma is that of the scale, which must not be widened once more.
+  const Eigen::Vector3d ahead = fit.motion.velocity.stableNormalized();
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ahead * ahead.transpose();
+  const double velocity_sigma = std::max(
+      largest(across * fit.covariance.topLeftCorner<3, 3>() * across), speed * scale.sigma);
   const double tilt_sigma = largest(fit.covariance.block<2, 2>(3, 3));
   const double share = scale.is_measured ? kMaxVelocityShare : kMaxVelocityShareOfImu;
   if (!(fit.noise < kMaxNoise && tilt_sigma < kMaxTiltSigma &&

@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 namespace parkade {
 namespace {
 
-constexpr double kImagesPerCamera = 24;
-constexpr double kMinImageInterval = 0.08;                             // [s]
+constexpr double kImagesPerCamera = 24;     // of tracks that last; more would not tell more
+constexpr double kMinImageInterval = 0.08;  // [s]
 constexpr size_t kLongTracks = 70, kNearTracks = 30, kLowTracks = 30;  // of a camera
-constexpr size_t kMinObservations = 3;
+constexpr size_t kMinObservations = 3, kMinLowObservations = 2;
 constexpr double kMinBiasSigma = 1e-4;  // [rad/s]
 
 /// Carries an image's derivatives along from one instant to the next.
@@ -88,30 +89,43 @@ void TakeMost(std::vector<StartTrack>& tracks, size_t count, const Value& value,
 
 /// Tracks are taken for the camera that saw them first: those with most observations; of the others
 /// those that move most, which are near, and those that look down most: a fast car sees the ground,
-/// which may tell the scale, for a moment only.
+/// which may tell the scale, for a moment only, sometimes in two images.
 std::vector<StartTrack> TracksToUse(std::map<std::int64_t, StartTrack>&& tracks,
                                     const StartProblem& problem, const Rig& rig) {
   const Eigen::Vector3d down_in_imu =
       rig.body_from_imu.rotation.conjugate() * -Eigen::Vector3d::UnitZ();
-  std::vector<std::vector<StartTrack>> of_camera(rig.cameras.size());
-  for (auto& [number, track] : tracks)
-    if (track.observations.size() >= kMinObservations)
-      of_camera[static_cast<size_t>(problem.images[track.observations.front().image].camera)]
-          .push_back(std::move(track));
+  const auto is_for_all = [&](const StartObservation& seen) {
+    return problem.images[seen.image].is_for_all;
+  };
+  const auto length = [&](const StartTrack& track) {
+    return static_cast<size_t>(
+        std::count_if(track.observations.begin(), track.observations.end(), is_for_all));
+  };
+  std::vector<std::vector<StartTrack>> of_camera(rig.cameras.size()), brief = of_camera;
+  for (auto& [number, track] : tracks) {
+    if (track.observations.size() < kMinLowObservations) continue;
+    const auto camera =
+        static_cast<size_t>(problem.images[track.observations.front().image].camera);
+    (length(track) < kMinObservations ? brief : of_camera)[camera].push_back(std::move(track));
+  }
   std::vector<StartTrack> kept;
-  for (std::vector<StartTrack>& all : of_camera) {
-    TakeMost(
-        all, kLongTracks, [](const StartTrack& track) { return track.observations.size(); }, kept);
+  for (size_t camera = 0; camera < of_camera.size(); ++camera) {
+    std::vector<StartTrack>& all = of_camera[camera];
+    const size_t num_before = kept.size();
+    TakeMost(all, kLongTracks, length, kept);
     TakeMost(
         all, kNearTracks, [&](const StartTrack& track) { return ParallaxAngle(track, problem); },
         kept);
-    if (rig.vehicle)
-      TakeMost(
-          all, kLowTracks,
-          [&](const StartTrack& track) {
-            return track.observations.front().bearing.dot(down_in_imu);
-          },
-          kept);
+    for (size_t i = num_before; i < kept.size(); ++i)
+      std::erase_if(kept[i].observations, std::not_fn(is_for_all));
+    if (!rig.vehicle) continue;
+    std::move(brief[camera].begin(), brief[camera].end(), std::back_inserter(all));
+    TakeMost(
+        all, kLowTracks,
+        [&](const StartTrack& track) {
+          return track.observations.front().bearing.dot(down_in_imu);
+        },
+        kept);
   }
   return kept;
 }
@@ -127,16 +141,21 @@ StartProblem CollectStartProblem(const ImuBuffer& imu, const std::vector<Tracked
   problem.gyroscope = {bias.bias, std::max(bias.sigma, kMinBiasSigma)};
   const double interval = std::max(kMinImageInterval, problem.duration / kImagesPerCamera);
   std::map<std::int64_t, StartTrack> tracks;
-  std::vector<Timestamp> last_used(rig.cameras.size(), begin - 1e3);
+  std::vector<Timestamp> last_used(rig.cameras.size(), begin - 1e3), last_for_all = last_used;
   Integration integration(imu, rig.imu, problem.linearized_at, begin);
   for (const TrackedFrame& frame : frames) {
     const auto camera = static_cast<size_t>(frame.camera);
-    if (frame.time < begin || frame.time > end || frame.time - last_used[camera] < interval)
+    if (frame.time < begin || frame.time > end ||
+        frame.time - last_used[camera] < kMinImageInterval)
       continue;
+    const bool is_for_all = frame.time - last_for_all[camera] >= interval;
+    if (!is_for_all && !rig.vehicle) continue;
     last_used[camera] = frame.time;
+    if (is_for_all) last_for_all[camera] = frame.time;
     integration.AdvanceTo(frame.time);
     const Rigid3 imu_from_camera = rig.ImuFromCamera(camera);
     problem.images.push_back(integration.Image(frame.camera, imu_from_camera.translation));
+    problem.images.back().is_for_all = is_for_all;
     for (const FeatureObservation& seen : frame.observations)
       tracks[seen.track].observations.push_back(
           {problem.images.size() - 1, imu_from_camera.rotation * seen.bearing, seen.sigma});

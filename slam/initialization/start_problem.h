@@ -28,6 +28,7 @@ struct StartImage {
   Eigen::Matrix3d rotation;       ///< at the biases of `linearized_at`, like what follows
   Eigen::Vector3d position;       ///< [m]
   Eigen::Matrix3d rotation_by_gyroscope, position_by_gyroscope, position_by_accelerometer;
+  bool is_for_all = true;  ///< false: used for tracks of the ground only
 };
 
 /// A track's bearing in one of the images.
@@ -70,8 +71,8 @@ struct StartProblem {
 inline constexpr int kStartMotionSize =
     11;  ///< [velocity, gravity's direction (2), gyroscope, accelerometer]
 
-/// Images and tracks between `begin` and `end` (within the IMU's span): a dozen images of each
-/// camera, the tracks that live longest in each, without points yet.
+/// Images and tracks between `begin` and `end` (within the IMU's span): some two dozen images of
+/// each camera, the tracks that live longest in each, without points yet.
 StartProblem CollectStartProblem(const ImuBuffer& imu, const std::vector<TrackedFrame>& frames,
                                  const Rig& rig, const GyroscopeBiasEstimate& bias, Timestamp begin,
                                  Timestamp end);

@@ -209,7 +209,8 @@ Trajectory CarryAlong(const Trajectory& odometry, const std::vector<RigKeyframe>
 }
 
 LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const LoopOptions& options,
-                       const LoopReview& review) {
+                       const LoopReview& review,
+                       const std::function<void(const RigKeyframe&)>& keep) {
   options.Validate();
   const auto start = std::chrono::steady_clock::now();
   LoopClosure closure;
@@ -222,9 +223,11 @@ LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const Lo
   reviewed.MarkKeyframes(is_possible);
   if (std::count(is_possible.begin(), is_possible.end(), true) == 0) return closure;
   std::vector<RigKeyframe> chosen = std::exchange(keyframes, {});
-  DescribeKeyframes(
-      log, odometry, options.keyframes, is_possible, std::move(chosen),
-      [&keyframes](RigKeyframe&& keyframe) { keyframes.push_back(std::move(keyframe)); });
+  DescribeKeyframes(log, odometry, options.keyframes, is_possible, std::move(chosen),
+                    [&](RigKeyframe&& keyframe) {
+                      if (keep && is_possible[keyframes.size()]) keep(keyframe);
+                      keyframes.push_back(std::move(keyframe));
+                    });
   std::vector<PlaceCandidate> candidates = RecognizePlaces(keyframes, options.recognition);
   reviewed.AddForced(candidates);
   closure.loops = Measure(keyframes, candidates, options);

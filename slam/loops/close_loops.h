@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "core/drive_log.h"
@@ -12,9 +13,10 @@ namespace parkade {
 /// RecognizePlaces, EstimateRigPose (or a baseline), OptimizePoseGraphRobustly with gravity held.
 /// `odometry` is odom_from_body of that log. Images are worked on in parallel; results do not
 /// depend on the number of threads. `review` overrules; a loop it names that no two keyframes have
-/// throws Error{kUsage}.
+/// throws Error{kUsage}. `keep`, where set, gets the keyframes that had to be described.
 LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const LoopOptions& options,
-                       const LoopReview& review = {});
+                       const LoopReview& review = {},
+                       const std::function<void(const RigKeyframe&)>& keep = {});
 
 /// The poses of `odometry` carried along with its keyframes: between two of them, what odometry
 /// says from either side is blended. `keyframes` and `corrected` correspond, keyframes in order of

@@ -27,6 +27,9 @@ struct DegradedInterval {
   std::string reason;
 };
 
+/// How the reason begins where no camera saw anything.
+inline constexpr const char* kNoCamera = "no camera sees anything";
+
 struct CameraHealth {
   std::string name;
   int frames = 0;               ///< delivered by the log

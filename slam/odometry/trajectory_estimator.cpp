@@ -91,7 +91,7 @@ void TrajectoryEstimator::Advance() {
 void TrajectoryEstimator::AddDegraded(Timestamp begin, Timestamp end, const std::string& reason) {
   for (auto it = report_.degraded.rbegin(); it != report_.degraded.rend(); ++it) {
     if (it->reason != reason) continue;
-    if (begin - it->end > 0.5) break;
+    if (begin - it->end > (reason.starts_with(kNoCamera) ? 1e-6 : 0.5)) break;
     it->end = std::max(it->end, end);
     return;
   }

@@ -166,8 +166,8 @@ void TrajectoryEstimator::NoteDegradation(Timestamp begin, Timestamp end, int be
   if (end - begin < kShortInterval) return;  // shorter than a camera's, at the end of the log
   if (bearings_seen < kFewBearings)
     AddDegraded(begin, end,
-                has_wheels ? "no camera sees anything; IMU and wheels carry on"
-                           : "no camera sees anything; the IMU alone carries on");
+                std::string(kNoCamera) +
+                    (has_wheels ? "; IMU and wheels carry on" : "; the IMU alone carries on"));
   else if (report_.has_wheels && !has_wheels)
     AddDegraded(begin, end, "the wheels delivered nothing");
 }

@@ -80,6 +80,9 @@ std::optional<StartEstimate> TrajectoryEstimator::AttemptStart(Timestamp begin, 
     return StartFromWheels(imu_, wheels_, rig_, bias(), begin,
                            begin + std::min(seconds, kWheelStart));
   }
+  // Wheels that arrive a moment after the IMU know the speed better than images.
+  if (!wheels_.empty() && seconds < kWheelStart + kAttemptStep && !is_last_chance)
+    return std::nullopt;
   if (frames.empty() || (seconds < kFirstImageStart && !is_last_chance)) return std::nullopt;
   return StartFromImages(imu_, frames, rig_, bias(), begin, now);
 }

@@ -5,7 +5,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/decompositions.h"
-#include "core/error.h"
 #include "core/parallel.h"
 #include "slam/places/cylinder_view.h"
 #include "slam/places/ground_bev.h"
@@ -14,8 +13,7 @@ namespace parkade {
 namespace {
 
 constexpr size_t kImagesPerBatch = 16;
-constexpr size_t kKeyframesPerPiece = 32;  // that are triangulated at once
-constexpr int kCell = 32;                  // [px] corners are spread over cells of this size
+constexpr int kCell = 32;  // [px] corners are spread over cells of this size
 constexpr int kCornersPerCell = 6;
 constexpr double kPixelSigma = 0.7;     // [px] of a corner at full size
 constexpr int kViewWidth = 200;         // [px] of a keyframe's images for people
@@ -116,21 +114,19 @@ size_t KeyframeAt(const std::vector<RigKeyframe>& keyframes, Timestamp time) {
   return static_cast<size_t>(after - keyframes.begin()) - 1;
 }
 
-/// Holds keyframes in order, from their first image until their neighbors have all of theirs.
+/// Puts images together to keyframes.
 class KeyframesInWork {
  public:
   KeyframesInWork(std::vector<RigKeyframe> keyframes, size_t num_cameras,
                   const KeyframeOptions& options, const KeyframeSink& sink)
-      : keyframes_(std::move(keyframes)),
-        floors_(keyframes_.size()),
+      : floors_(keyframes.size()),
         num_cameras_(num_cameras),
-        options_(options),
-        sink_(sink) {}
+        queue_(std::move(keyframes), options, sink) {}
 
-  const std::vector<RigKeyframe>& keyframes() const { return keyframes_; }
+  const std::vector<RigKeyframe>& keyframes() const { return queue_.keyframes(); }
 
   void Add(const DescribedImage& image) {
-    RigKeyframe& keyframe = keyframes_[image.keyframe];
+    RigKeyframe& keyframe = queue_.At(image.keyframe);
     keyframe.features.insert(keyframe.features.end(), image.features.begin(), image.features.end());
     keyframe.descriptors.push_back(image.descriptors);
     keyframe.views.resize(num_cameras_);
@@ -142,44 +138,19 @@ class KeyframesInWork {
 
   /// Keyframes before `end` will get no more images.
   void Finish(size_t end) {
-    const bool is_all = end == keyframes_.size();
-    const size_t ready = is_all ? end : end - std::min(end, kNeighborKeyframes);
-    if (ready < num_done_ + (is_all ? 0 : kKeyframesPerPiece)) return;
-    std::vector<std::vector<KeyframeFeature>> features = ParallelMap(
-        ready - num_done_,
-        [&](size_t i) { return TriangulateFeatures(keyframes_, num_done_ + i, options_); });
-    for (size_t i = num_done_; i < ready; ++i) {
-      RigKeyframe done = keyframes_[i];
-      done.features = std::move(features[i - num_done_]);
-      done.floor = ImageOf(std::exchange(floors_[i], {}));
-      sink_(std::move(done));
-    }
-    num_done_ = ready;
-    for (; num_forgotten_ + kNeighborKeyframes < num_done_; ++num_forgotten_) {
-      RigKeyframe& past = keyframes_[num_forgotten_];  // whose time is read on other threads
-      past.features = {};
-      past.descriptors.release();
-      past.views = {};
-    }
+    for (; num_complete_ < end; ++num_complete_)
+      queue_.At(num_complete_).floor = ImageOf(std::exchange(floors_[num_complete_], {}));
+    queue_.Complete(end);
   }
 
  private:
-  std::vector<RigKeyframe> keyframes_;
   std::vector<GroundBev> floors_;
   size_t num_cameras_;
-  const KeyframeOptions& options_;
-  const KeyframeSink& sink_;
-  size_t num_done_ = 0, num_forgotten_ = 0;
+  TriangulationQueue queue_;
+  size_t num_complete_ = 0;
 };
 
 }  // namespace
-
-void KeyframeOptions::Validate() const {
-  Require(spacing > 0 && spacing_deg > 0 && max_distance > 0 && max_depth_error > 0,
-          ErrorCode::kUsage, "the options of places must be positive");
-  Require(max_features >= 10 && max_features <= 10000, ErrorCode::kUsage,
-          "max_features of places must be 10 to 10000");
-}
 
 std::vector<RigKeyframe> ChooseKeyframes(const Trajectory& odom_from_body,
                                          const KeyframeOptions& options) {

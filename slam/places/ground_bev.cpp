@@ -2,6 +2,7 @@
 
 #include <Eigen/SVD>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "core/yaw.h"
 #include "slam/places/weighted_blur.h"
@@ -36,53 +37,88 @@ double SharpnessAt(const RigCamera& camera, const Rigid3& camera_from_body,
   return worst < kMinSharpness ? 0 : worst;
 }
 
-/// The image relative to the brightness of the ground around, which becomes kFloorGray. Unseen
-/// cells are kFloorGray.
-cv::Mat WithoutLight(const cv::Mat& image, const cv::Mat& is_seen) {
-  cv::Mat values, weights;
-  is_seen.convertTo(weights, CV_32F, 1.0 / 255);
-  image.convertTo(values, CV_32F);
-  const cv::Mat mean = MeanAround(values, weights, kLightSigma);
-  cv::Mat flat;
-  cv::Mat((values - mean).mul(weights)).convertTo(flat, CV_8U, 1, kFloorGray);
-  return cv::max(flat, 1);
+/// The smallest box around what is seen, and a rim of one for interpolation.
+cv::Rect BoxOf(const cv::Mat& is_seen) {
+  const cv::Rect seen = cv::boundingRect(is_seen);
+  if (seen.empty()) return {};
+  return cv::Rect(seen.x - 1, seen.y - 1, seen.width + 2, seen.height + 2) &
+         cv::Rect({}, is_seen.size());
+}
+
+/// The map from a part of a floor that begins at `from` to a part of the moved one, at `to`.
+cv::Matx23f BetweenParts(cv::Matx23f move, const cv::Point& from, const cv::Point& to) {
+  const auto x = static_cast<float>(from.x), y = static_cast<float>(from.y);
+  move(0, 2) += move(0, 0) * x + move(0, 1) * y - static_cast<float>(to.x);
+  move(1, 2) += move(1, 0) * x + move(1, 1) * y - static_cast<float>(to.y);
+  return move;
+}
+
+/// Where a part of a floor comes to lie.
+cv::Rect Moved(const cv::Rect& part, const cv::Matx23f& move) {
+  std::vector<cv::Point2f> corners;
+  for (const int x : {part.x, part.x + part.width})
+    for (const int y : {part.y, part.y + part.height}) {
+      const cv::Vec2f corner = move * cv::Vec3f(static_cast<float>(x), static_cast<float>(y), 1);
+      corners.emplace_back(corner[0], corner[1]);
+    }
+  return cv::boundingRect(corners) & cv::Rect({}, kFloorSize);
 }
 
 }  // namespace
 
 GroundBevView::GroundBevView(const RigCamera& camera) {
   const Rigid3 camera_from_body = camera.body_from_camera.Inverse();
-  sharpness_ = cv::Mat::zeros(kFloorSize, CV_32FC1);
+  cv::Mat sharpness = cv::Mat::zeros(kFloorSize, CV_32FC1);
   for (int row = 0; row < kFloorSize.height; ++row)
     for (int column = 0; column < kFloorSize.width; ++column)
-      sharpness_.at<float>(row, column) = static_cast<float>(
+      sharpness.at<float>(row, column) = static_cast<float>(
           SharpnessAt(camera, camera_from_body, MiddleOfCell(row, column, kFloorCell)));
-  map_x_ = cv::Mat(kFloorSize * kFiner, CV_32FC1, cv::Scalar(-1));
-  map_y_ = map_x_.clone();
-  for (int row = 0; row < map_x_.rows; ++row) {
-    for (int column = 0; column < map_x_.cols; ++column) {
+  box_ = BoxOf(sharpness > 0);
+  if (box_.empty()) return;
+  sharpness_ = sharpness(box_).clone();
+  cv::Mat(sharpness_ > 0).convertTo(weights_, CV_32F, 1.0 / 255);
+  weights_around_ = WeightsAround(weights_, kLightSigma);
+  cv::Mat map_x(box_.size() * kFiner, CV_32FC1, cv::Scalar(-1)), map_y = map_x.clone();
+  for (int row = 0; row < map_x.rows; ++row) {
+    for (int column = 0; column < map_x.cols; ++column) {
       if (sharpness_.at<float>(row / kFiner, column / kFiner) == 0) continue;
-      const auto pixel =
-          camera.model.Project(camera_from_body * MiddleOfCell(row, column, kFloorCell / kFiner));
+      const auto pixel = camera.model.Project(
+          camera_from_body *
+          MiddleOfCell(kFiner * box_.y + row, kFiner * box_.x + column, kFloorCell / kFiner));
       if (!pixel) continue;
-      map_x_.at<float>(row, column) = static_cast<float>(pixel->x());
-      map_y_.at<float>(row, column) = static_cast<float>(pixel->y());
+      map_x.at<float>(row, column) = static_cast<float>(pixel->x());
+      map_y.at<float>(row, column) = static_cast<float>(pixel->y());
     }
   }
+  cv::convertMaps(map_x, map_y, places_, fractions_, CV_16SC2);
+}
+
+cv::Mat GroundBevView::WithoutLight(const cv::Mat& image) const {
+  cv::Mat values, flat;
+  image.convertTo(values, CV_32F);
+  const cv::Mat mean = MeanAround(values, weights_, weights_around_, kLightSigma);
+  cv::Mat((values - mean).mul(weights_)).convertTo(flat, CV_8U, 1, kFloorGray);
+  return cv::max(flat, 1);
 }
 
 GroundBev GroundBevView::Look(const cv::Mat& image, const Rigid3& keyframe_from_body,
                               int camera) const {
-  cv::Mat fine, bev;
-  cv::remap(image, fine, map_x_, map_y_, cv::INTER_LINEAR, cv::BORDER_CONSTANT, kUnseen);
-  cv::resize(fine, bev, kFloorSize, 0, 0, cv::INTER_AREA);
-  const cv::Matx23f move = MoveOfFloor(keyframe_from_body);
   GroundBev observation;
-  cv::warpAffine(WithoutLight(bev, sharpness_ > 0), observation.image, move, kFloorSize,
-                 cv::INTER_LINEAR, cv::BORDER_CONSTANT, kUnseen);
-  cv::warpAffine(sharpness_, observation.sharpness, move, kFloorSize, cv::INTER_NEAREST,
-                 cv::BORDER_CONSTANT, kUnseen);
-  observation.image.setTo(kUnseen, observation.sharpness == 0);
+  observation.image = cv::Mat(kFloorSize, CV_8UC1, kUnseen);
+  observation.sharpness = cv::Mat(kFloorSize, CV_32FC1, kUnseen);
+  const cv::Matx23f move = MoveOfFloor(keyframe_from_body);
+  if (const cv::Rect to = Moved(box_, move); !box_.empty() && !to.empty()) {
+    cv::Mat fine, bev;
+    cv::remap(image, fine, places_, fractions_, cv::INTER_LINEAR, cv::BORDER_CONSTANT, kUnseen);
+    cv::resize(fine, bev, box_.size(), 0, 0, cv::INTER_AREA);
+    const cv::Matx23f between = BetweenParts(move, box_.tl(), to.tl());
+    cv::Mat moved = observation.image(to), sharpness = observation.sharpness(to);
+    cv::warpAffine(WithoutLight(bev), moved, between, to.size(), cv::INTER_LINEAR,
+                   cv::BORDER_CONSTANT, kUnseen);
+    cv::warpAffine(sharpness_, sharpness, between, to.size(), cv::INTER_NEAREST,
+                   cv::BORDER_CONSTANT, kUnseen);
+    moved.setTo(kUnseen, sharpness == 0);
+  }
   observation.camera = cv::Mat(kFloorSize, CV_8UC1, cv::Scalar(camera));
   return observation;
 }

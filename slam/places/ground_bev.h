@@ -40,8 +40,14 @@ class GroundBevView {
   GroundBev Look(const cv::Mat& image, const Rigid3& keyframe_from_body, int camera) const;
 
  private:
-  cv::Mat map_x_, map_y_;  ///< at half the cell size, in the frame of the body
-  cv::Mat sharpness_;      ///< CV_32FC1, in the frame of the body like the maps
+  /// The image relative to the brightness of the ground around, which becomes kFloorGray. Unseen
+  /// cells are kFloorGray.
+  cv::Mat WithoutLight(const cv::Mat& image) const;
+
+  cv::Rect box_;                ///< of the floor, around what is seen
+  cv::Mat places_, fractions_;  ///< of cv::remap, at half the cell size; of the box, like the rest
+  cv::Mat sharpness_;           ///< CV_32FC1, in the frame of the body
+  cv::Mat weights_, weights_around_;  ///< CV_32FC1: 1 where seen, and WeightsAround it
 };
 
 /// The affine map that moves images of the ground from one frame to another, both upright.

@@ -1,9 +1,10 @@
+#include "slam/places/triangulate_keyframes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <span>
 
 #include "slam/factors/triangulate.h"
-#include "slam/places/describe_keyframes.h"
 #include "slam/places/hamming.h"
 
 namespace parkade {

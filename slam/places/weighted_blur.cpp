@@ -7,13 +7,25 @@ namespace {
 
 constexpr float kNoWeight = 1e-3F;
 
+cv::Mat BlurBy(const cv::Mat& values, double sigma) {
+  cv::Mat blurred;
+  cv::GaussianBlur(values, blurred, {}, sigma, sigma, cv::BORDER_CONSTANT);
+  return blurred;
+}
+
 }  // namespace
 
 cv::Mat MeanAround(const cv::Mat& values, const cv::Mat& weights, double sigma) {
-  cv::Mat sum, weight;
-  cv::GaussianBlur(values.mul(weights), sum, {}, sigma, sigma, cv::BORDER_CONSTANT);
-  cv::GaussianBlur(weights, weight, {}, sigma, sigma, cv::BORDER_CONSTANT);
-  return sum / (weight + kNoWeight);
+  return MeanAround(values, weights, WeightsAround(weights, sigma), sigma);
+}
+
+cv::Mat MeanAround(const cv::Mat& values, const cv::Mat& weights, const cv::Mat& weights_around,
+                   double sigma) {
+  return BlurBy(values.mul(weights), sigma) / weights_around;
+}
+
+cv::Mat WeightsAround(const cv::Mat& weights, double sigma) {
+  return BlurBy(weights, sigma) + kNoWeight;
 }
 
 }  // namespace parkade

@@ -32,7 +32,6 @@ double DriveAdjustment::BearingWeight() const {
 int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
   DriveGraph graph(drive_, stretch, BearingWeight());
   GraphSolverOptions options;
-  options.solver = GraphSolverOptions::Solver::kSchurSolver;
   options.max_iterations = max_iterations;
   options.function_tolerance = 1e-5;
   options.trust_region = 1e6;  // the pose graph has brought it near

@@ -1,15 +1,14 @@
 #pragma once
 
-#include <Eigen/Sparse>
+#include <Eigen/Core>
+#include <memory>
 #include <optional>
-#include <vector>
 
-#include "core/sparse_cholesky.h"
-#include "slam/schur/schur_chunk.h"
+#include "slam/schur/reduced_matrix.h"
 
 namespace parkade {
 
-/// The normal equations of all states, landmarks eliminated: (A + D) x = b, A sparse.
+/// The normal equations of all states, landmarks eliminated: (A + D) x = b.
 class ReducedSystem {
  public:
   explicit ReducedSystem(const SchurStructure& structure);
@@ -24,11 +23,8 @@ class ReducedSystem {
 
  private:
   const SchurStructure& structure_;
-  Eigen::SparseMatrix<double> matrix_;  ///< lower triangle, with whole blocks on the diagonal
-  std::vector<std::vector<Eigen::Index>>
-      offsets_;  ///< into its values: of blocks, by chunk and pair
+  std::unique_ptr<ReducedMatrix> matrix_;
   Eigen::VectorXd gradient_, right_, squared_norms_;
-  CholeskySolver solver_;
 };
 
 }  // namespace parkade

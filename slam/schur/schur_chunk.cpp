@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "slam/schur/schur_kernels.h"
+
 namespace parkade {
 namespace {
 
@@ -18,62 +20,83 @@ class ReadFactor {
   /// False where it cannot be evaluated.
   bool Read(const SchurFactor& factor, bool has_landmark) {
     parameters = structure_.ParametersOf(factor);
-    rows = factor.cost->num_residuals();
-    const auto height = static_cast<size_t>(rows);
-    size_t size = height;
-    for (const SchurParameter& parameter : parameters)
-      size += height * static_cast<size_t>(parameter.size);
-    buffer_.resize(size);
-    values_.clear();
-    jacobians.clear();
-    double* next = buffer_.data() + height;
-    for (const SchurParameter& parameter : parameters) {
-      values_.push_back(parameter.values);
-      const bool is_landmark = has_landmark && &parameter == &parameters.back();
-      jacobians.push_back(parameter.state != kHeldState || is_landmark ? next : nullptr);
-      next += height * static_cast<size_t>(parameter.size);
+    width = structure_.footprints[factor.footprint].width;
+    stride = RoundUp(width + 1);
+    num_rows = factor.cost->num_residuals();
+    double scale = 1;
+    if (!Evaluate(factor, has_landmark, scale)) return false;
+    rows.assign(static_cast<size_t>((num_rows + 1) / 2 * 2 * stride), 0.0);
+    for (size_t i = 0; i < parameters.size(); ++i) {
+      const SchurParameter& by = parameters[i];
+      if (by.state == kHeldState) continue;
+      const double* from = jacobians_[i];
+      for (int row = 0; row < num_rows; ++row, from += by.size)
+        for (int k = 0; k < by.tangent_size; ++k) Row(row)[by.local + k] = scale * from[k];
     }
-    if (!factor.cost->Evaluate(values_.data(), buffer_.data(), jacobians.data())) return false;
-    if (factor.loss) {
-      double rho[3];
-      factor.loss->Evaluate(Eigen::Map<Eigen::VectorXd>(buffer_.data(), rows).squaredNorm(), rho);
-      const double scale = std::sqrt(rho[1]);
-      for (double& value : buffer_) value *= scale;  // of held parameters, too: nobody looks there
-    }
+    for (int row = 0; row < num_rows; ++row) Row(row)[width] = scale * buffer_[Index(row)];
+    if (!has_landmark) return true;
+    by_landmark.resize(Index(num_rows));
+    for (int row = 0; row < num_rows; ++row)
+      by_landmark[Index(row)] =
+          scale * Eigen::Map<const Eigen::Vector3d>(jacobians_.back() + row * kSchurLandmarkSize);
     return true;
   }
 
-  const double* residual() const { return buffer_.data(); }
+  double* Row(int row) { return rows.data() + row * stride; }
 
   std::span<const SchurParameter> parameters;
-  std::vector<double*> jacobians;  ///< rows x size each, row by row; null: held
-  int rows = 0;
+  int num_rows = 0, width = 0, stride = 0;
+  std::vector<double> rows;  ///< of the Jacobian by states, the residual after it; an even number
+  std::vector<Eigen::Vector3d> by_landmark;  ///< of the Jacobian
 
  private:
+  static size_t Index(int row) { return static_cast<size_t>(row); }
+
+  bool Evaluate(const SchurFactor& factor, bool has_landmark, double& scale) {
+    size_t size = Index(num_rows);
+    for (const SchurParameter& parameter : parameters)
+      size += Index(num_rows) * static_cast<size_t>(parameter.size);
+    buffer_.resize(size);
+    values_.clear();
+    jacobians_.clear();
+    double* next = buffer_.data() + num_rows;
+    for (const SchurParameter& parameter : parameters) {
+      values_.push_back(parameter.values);
+      const bool is_landmark = has_landmark && &parameter == &parameters.back();
+      jacobians_.push_back(parameter.state != kHeldState || is_landmark ? next : nullptr);
+      next += num_rows * parameter.size;
+    }
+    if (!factor.cost->Evaluate(values_.data(), buffer_.data(), jacobians_.data())) return false;
+    if (!factor.loss) return true;
+    double rho[3];
+    factor.loss->Evaluate(Eigen::Map<Eigen::VectorXd>(buffer_.data(), num_rows).squaredNorm(), rho);
+    scale = std::sqrt(rho[1]);
+    return true;
+  }
+
   const SchurStructure& structure_;
-  std::vector<double> buffer_;
+  std::vector<double> buffer_;  // the residual, and Jacobians row by row
+  std::vector<double*> jacobians_;
   std::vector<const double*> values_;
 };
-
-/// sum += a^T b for blocks of Jacobians; rows of `sum` are `stride` apart.
-template <int kSizeA, int kSizeB>
-void AddProduct(const double* a, int size_a, const double* b, int size_b, int rows, double* sum,
-                Eigen::Index stride, int width_a = kSizeA, int width_b = kSizeB) {
-  for (int row = 0; row < rows; ++row, a += size_a, b += size_b)
-    for (int i = 0; i < (kSizeA > 0 ? kSizeA : width_a); ++i)
-      for (int j = 0; j < (kSizeB > 0 ? kSizeB : width_b); ++j) sum[i * stride + j] += a[i] * b[j];
-}
 
 /// The sums over one chunk in the making.
 class ChunkSums {
  public:
   ChunkSums(const SchurStructure& structure, const SchurChunk& chunk)
-      : structure_(structure), factor_(structure) {
+      : structure_(structure), chunk_(chunk), factor_(structure) {
     const int count = chunk.num_columns();
     sums_.matrix.setZero(count, count);
     sums_.gradient.setZero(count);
     sums_.right.setZero(count);
     sums_.squared_norms.setZero(count);
+    size_t size = 0;
+    for (std::uint32_t i = chunk.first_footprint; i < chunk.end_footprint; ++i) {
+      first_products_.push_back(size);
+      const int width = structure.footprints[i].width + 1;
+      size += static_cast<size_t>(width * RoundUp(width));
+    }
+    products_.resize(size);
   }
 
   void Add(const SchurGroup& group, Eigen::Vector3d& scale, double radius) {
@@ -86,94 +109,102 @@ class ChunkSums {
         sums_.is_finite = false;
         return;
       }
-      AddStates();
+      double* products = products_.data() +
+                         first_products_[structure_.factors[i].footprint - chunk_.first_footprint];
+      for (int row = 0; row < factor_.num_rows; row += 2)
+        AddProducts(factor_.Row(row), factor_.Row(row + 1), factor_.width + 1, factor_.stride,
+                    products);
       if (has_landmark) AddLandmark();
     }
     if (has_landmark) Eliminate(group, scale, radius);
   }
 
   SchurSums Take() {
+    for (std::uint32_t i = chunk_.first_footprint; i < chunk_.end_footprint; ++i)
+      Spread(structure_.footprints[i],
+             products_.data() + first_products_[i - chunk_.first_footprint]);
     sums_.right -= sums_.gradient;
     sums_.is_finite = sums_.is_finite && sums_.right.allFinite();
     return std::move(sums_);
   }
 
  private:
-  void AddStates() {
-    const Eigen::Index stride = sums_.matrix.cols();
-    for (size_t i = 0; i < factor_.parameters.size(); ++i) {
-      const SchurParameter& by = factor_.parameters[i];
+  /// Adds products of a footprint where their columns are in the chunk.
+  void Spread(const SchurFootprint& footprint, const double* products) {
+    const int stride = RoundUp(footprint.width + 1);
+    const std::span<const SchurParameter> parameters =
+        structure_.ParametersOf(structure_.factors[footprint.factor]);
+    const double* of_residual = products + footprint.width * stride;
+    for (const SchurParameter& by : parameters) {
       if (by.state == kHeldState) continue;
-      const double* a = factor_.jacobians[i];
-      for (int row = 0; row < factor_.rows; ++row)
-        for (int k = 0; k < by.tangent_size; ++k) {
-          const double value = a[row * by.size + k];
-          sums_.gradient[by.column + k] += value * factor_.residual()[row];
-          sums_.squared_norms[by.column + k] += value * value;
+      for (int k = 0; k < by.tangent_size; ++k) {
+        const double* row = products + (by.local + k) * stride;
+        sums_.gradient[by.column + k] += of_residual[by.local + k];
+        sums_.squared_norms[by.column + k] += row[by.local + k];
+        for (const SchurParameter& other : parameters) {
+          if (other.state == kHeldState || other.local > by.local) continue;
+          const int count = other.local < by.local ? other.tangent_size : k + 1;
+          for (int c = 0; c < count; ++c) {
+            const int i = by.column + k, j = other.column + c;
+            sums_.matrix(std::max(i, j), std::min(i, j)) += row[other.local + c];
+          }
         }
-      for (size_t j = 0; j < factor_.parameters.size(); ++j) {
-        const SchurParameter& other = factor_.parameters[j];
-        if (other.state == kHeldState || other.column > by.column) continue;
-        double* sum = sums_.matrix.data() + by.column * stride + other.column;
-        const double* b = factor_.jacobians[j];
-        if (by.tangent_size == 6 && other.tangent_size == 6)
-          AddProduct<6, 6>(a, by.size, b, other.size, factor_.rows, sum, stride);
-        else
-          AddProduct<0, 0>(a, by.size, b, other.size, factor_.rows, sum, stride, by.tangent_size,
-                           other.tangent_size);
       }
     }
   }
 
   void AddLandmark() {
-    const double* own = factor_.jacobians.back();
-    for (int row = 0; row < factor_.rows; ++row) {
-      const Eigen::Map<const Eigen::Vector3d> by_landmark(own + row * kSchurLandmarkSize);
-      landmark_.noalias() += by_landmark * by_landmark.transpose();
-      landmark_gradient_ += factor_.residual()[row] * by_landmark;
-    }
-    for (size_t i = 0; i + 1 < factor_.parameters.size(); ++i) {
-      const SchurParameter& by = factor_.parameters[i];
-      if (by.state == kHeldState) continue;
-      AddProduct<3, 0>(own, kSchurLandmarkSize, factor_.jacobians[i], by.size, factor_.rows,
-                       to_landmark_.data() + by.packed, to_landmark_.cols(), 3, by.tangent_size);
-    }
-  }
-
-  void Eliminate(const SchurGroup& group, Eigen::Vector3d& scale, double radius) {
-    for (int k = 0; k < kSchurLandmarkSize; ++k) {
-      if (scale[k] == 0) scale[k] = ScaleOf(landmark_(k, k));
-      landmark_(k, k) += DampingOf(landmark_(k, k), scale[k], radius);
-    }
-    const Eigen::LLT<Eigen::Matrix3d> factor(landmark_);
-    if (factor.info() != Eigen::Success) {
-      sums_.is_finite = false;
-      return;
-    }
-    factor.matrixL().solveInPlace(to_landmark_);
-    const Eigen::Vector3d solved = factor.matrixL().solve(landmark_gradient_);
-    const Eigen::Index stride = sums_.matrix.cols(), count = to_landmark_.cols();
-    const double *x = to_landmark_.data(), *y = x + count, *z = y + count;
-    for (std::uint32_t i = group.first_run; i < group.end_run; ++i) {
-      const SchurRun& run = structure_.runs[i];
-      for (int k = 0; k < run.count; ++k) {
-        const int at = run.packed + k;
-        sums_.right[run.column + k] += to_landmark_.col(at).dot(solved);
-        double* row = sums_.matrix.data() + (run.column + k) * stride;
-        for (std::uint32_t j = group.first_run; j <= i; ++j) {
-          const SchurRun& other = structure_.runs[j];
-          const int length = j < i ? other.count : k + 1;
-          double* to = row + other.column;
-          const double *u = x + other.packed, *v = y + other.packed, *w = z + other.packed;
-          for (int c = 0; c < length; ++c) to[c] -= x[at] * u[c] + y[at] * v[c] + z[at] * w[c];
+    for (int row = 0; row < factor_.num_rows; ++row) {
+      const Eigen::Vector3d& own = factor_.by_landmark[static_cast<size_t>(row)];
+      const double* by_states = factor_.Row(row);
+      landmark_.noalias() += own * own.transpose();
+      landmark_gradient_ += by_states[factor_.width] * own;
+      for (const SchurParameter& by : factor_.parameters) {
+        if (by.state == kHeldState) continue;
+        for (int i = 0; i < kSchurLandmarkSize; ++i) {
+          double* to = to_landmark_.data() + i * to_landmark_.cols() + by.packed;
+          for (int k = 0; k < by.tangent_size; ++k) to[k] += own[i] * by_states[by.local + k];
         }
       }
     }
   }
 
+  void Eliminate(const SchurGroup& group, Eigen::Vector3d& scale, double radius) {
+    EliminatedLandmarks::Landmark landmark;
+    for (int k = 0; k < kSchurLandmarkSize; ++k) {
+      if (scale[k] == 0) scale[k] = ScaleOf(landmark_(k, k));
+      landmark.added[k] = DampingOf(landmark_(k, k), scale[k], radius);
+    }
+    landmark_.diagonal() += landmark.added;
+    const Eigen::LLT<Eigen::Matrix3d> factor(landmark_);
+    if (factor.info() != Eigen::Success) {
+      sums_.is_finite = false;
+      return;
+    }
+    landmark.root = factor.matrixL();
+    landmark.gradient = landmark_gradient_;
+    landmark.solved = factor.matrixL().solve(landmark_gradient_);
+    for (int i = 0; i < kSchurLandmarkSize; ++i) {
+      for (int j = 0; j < i; ++j) to_landmark_.row(i) -= landmark.root(i, j) * to_landmark_.row(j);
+      to_landmark_.row(i) /= landmark.root(i, i);
+    }
+    const std::span<const SchurRun> runs = structure_.RunsOf(group);
+    for (const SchurRun& run : runs)
+      sums_.right.segment(run.column, run.count) +=
+          to_landmark_.middleCols(run.packed, run.count).transpose() * landmark.solved;
+    SubtractProducts(to_landmark_.data(), group.num_columns, runs, sums_.matrix.data(),
+                     sums_.matrix.cols());
+    sums_.eliminated.landmarks.push_back(landmark);
+    sums_.eliminated.by_states.insert(sums_.eliminated.by_states.end(), to_landmark_.data(),
+                                      to_landmark_.data() + to_landmark_.size());
+  }
+
   const SchurStructure& structure_;
+  const SchurChunk& chunk_;
   ReadFactor factor_;
   SchurSums sums_;
+  std::vector<double> products_;  // of each footprint's columns and residual, one after the other
+  std::vector<size_t> first_products_;
   Eigen::Matrix3d landmark_;
   Eigen::Vector3d landmark_gradient_;
   Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> to_landmark_;
@@ -222,40 +253,32 @@ SchurSums SumUp(const SchurStructure& structure, const SchurChunk& chunk,
 }
 
 double BackSubstitute(const SchurStructure& structure, const SchurChunk& chunk,
-                      const LandmarkDamping& damping, const Eigen::VectorXd& state_step,
+                      const EliminatedLandmarks& eliminated, const Eigen::VectorXd& state_step,
                       std::vector<Eigen::Vector3d>& steps) {
+  Eigen::VectorXd of_chunk(chunk.num_columns());
+  for (size_t i = 0; i < chunk.states.size(); ++i) {
+    const SchurState& state = structure.states[static_cast<size_t>(chunk.states[i])];
+    of_chunk.segment(chunk.columns[i], state.tangent_size) =
+        state_step.segment(state.column, state.tangent_size);
+  }
   double fall = 0;
-  ReadFactor factor(structure);
+  size_t next = 0;
+  const double* by_states = eliminated.by_states.data();
   for (std::uint32_t g = chunk.first_group; g < chunk.end_group; ++g) {
     const SchurGroup& group = structure.groups[g];
     if (!group.landmark) continue;
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d gradient = Eigen::Vector3d::Zero(), right = Eigen::Vector3d::Zero();
-    for (std::uint32_t i = group.first_factor; i < group.end_factor; ++i) {
-      if (!factor.Read(structure.factors[i], true)) continue;
-      for (int row = 0; row < factor.rows; ++row) {
-        const Eigen::Map<const Eigen::Vector3d> own(factor.jacobians.back() +
-                                                    row * kSchurLandmarkSize);
-        double moved = 0;
-        for (size_t k = 0; k + 1 < factor.parameters.size(); ++k) {
-          const SchurParameter& by = factor.parameters[k];
-          if (by.state == kHeldState) continue;
-          const int column = structure.states[static_cast<size_t>(by.state)].column;
-          const double* jacobian = factor.jacobians[k] + row * by.size;
-          for (int c = 0; c < by.tangent_size; ++c) moved += jacobian[c] * state_step[column + c];
-        }
-        normal.noalias() += own * own.transpose();
-        gradient += factor.residual()[row] * own;
-        right -= (factor.residual()[row] + moved) * own;
-      }
-    }
-    Eigen::Vector3d added;
-    for (int k = 0; k < kSchurLandmarkSize; ++k)
-      added[k] = DampingOf(normal(k, k), damping.scales[g][k], damping.radius);
-    normal.diagonal() += added;
-    const Eigen::Vector3d step = normal.llt().solve(right);
+    const EliminatedLandmarks::Landmark& landmark = eliminated.landmarks[next++];
+    Eigen::Vector3d right = -landmark.solved;
+    for (const SchurRun& run : structure.RunsOf(group))
+      for (int i = 0; i < kSchurLandmarkSize; ++i)
+        right[i] -= Eigen::Map<const Eigen::VectorXd>(
+                        by_states + i * group.num_columns + run.packed, run.count)
+                        .dot(of_chunk.segment(run.column, run.count));
+    by_states += kSchurLandmarkSize * group.num_columns;
+    const Eigen::Vector3d step =
+        landmark.root.transpose().triangularView<Eigen::Upper>().solve(right);
     steps[g] = step;
-    fall += (step.dot(added.cwiseProduct(step)) - step.dot(gradient)) / 2;
+    fall += (step.dot(landmark.added.cwiseProduct(step)) - step.dot(landmark.gradient)) / 2;
   }
   return fall;
 }

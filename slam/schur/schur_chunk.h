@@ -7,6 +7,19 @@
 
 namespace parkade {
 
+/// What the steps of a chunk's landmarks follow from, given the one of its states.
+struct EliminatedLandmarks {
+  /// L L^T x = -g - W s, where s is the step of the states.
+  struct Landmark {
+    Eigen::Matrix3d root;      ///< L
+    Eigen::Vector3d gradient;  ///< g
+    Eigen::Vector3d solved;    ///< L^-1 g
+    Eigen::Vector3d added;     ///< damping, of the diagonal
+  };
+  std::vector<Landmark> landmarks;
+  std::vector<double> by_states;  ///< L^-1 W of each, three rows over the columns of its group
+};
+
 /// What the factors of a chunk sum up to, over its columns.
 struct SchurSums {
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -14,6 +27,7 @@ struct SchurSums {
   Eigen::VectorXd gradient;  ///< J^T r
   Eigen::VectorXd right;     ///< -J^T r without landmarks
   Eigen::VectorXd squared_norms;
+  EliminatedLandmarks eliminated;
   bool is_finite = true;
 };
 
@@ -39,7 +53,7 @@ SchurSums SumUp(const SchurStructure& structure, const SchurChunk& chunk, Landma
 /// Steps of a chunk's landmarks, given the one of the states, and how much lower the linearized
 /// cost gets by their part of it.
 double BackSubstitute(const SchurStructure& structure, const SchurChunk& chunk,
-                      const LandmarkDamping& damping, const Eigen::VectorXd& state_step,
+                      const EliminatedLandmarks& eliminated, const Eigen::VectorXd& state_step,
                       std::vector<Eigen::Vector3d>& steps);
 
 }  // namespace parkade

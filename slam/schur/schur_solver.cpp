@@ -20,7 +20,10 @@ constexpr size_t kBatch = 16;  // chunks summed up at a time, some 1 MB each
 
 SchurSolver::SchurSolver(const ceres::Problem& problem, const std::vector<double*>& landmarks,
                          std::function<void()> prepare)
-    : structure_(problem, landmarks), system_(structure_), prepare_(std::move(prepare)) {
+    : structure_(problem, landmarks),
+      system_(structure_),
+      prepare_(std::move(prepare)),
+      eliminated_(structure_.chunks.size()) {
   damping_.scales.resize(structure_.num_landmarks, Eigen::Vector3d::Zero());
 }
 
@@ -39,10 +42,11 @@ bool SchurSolver::Linearize(double radius) {
   bool is_finite = true;
   for (size_t begin = 0; begin < structure_.chunks.size(); begin += kBatch) {
     const size_t count = std::min(kBatch, structure_.chunks.size() - begin);
-    const std::vector<SchurSums> sums = ParallelMap(
+    std::vector<SchurSums> sums = ParallelMap(
         count, [&](size_t i) { return SumUp(structure_, structure_.chunks[begin + i], damping_); });
     for (size_t i = 0; i < count; ++i) {
       system_.Add(begin + i, sums[i]);
+      eliminated_[begin + i] = std::move(sums[i].eliminated);
       is_finite = is_finite && sums[i].is_finite;
     }
   }
@@ -60,7 +64,8 @@ std::optional<SchurSolver::Step> SchurSolver::FindStep(double radius) {
   Step step{std::move(*of_states), {}, 0};
   step.landmarks.resize(structure_.num_landmarks);
   const std::vector<double> falls = ParallelMap(structure_.chunks.size(), [&](size_t i) {
-    return BackSubstitute(structure_, structure_.chunks[i], damping_, step.states, step.landmarks);
+    return BackSubstitute(structure_, structure_.chunks[i], eliminated_[i], step.states,
+                          step.landmarks);
   });
   // -g x - x H x / 2, where (H + D) x = -g.
   step.fall =

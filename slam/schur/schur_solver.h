@@ -22,9 +22,8 @@ struct SchurSummary {
 
 /// Levenberg-Marquardt over states and landmarks, landmarks eliminated one by one, in all threads;
 /// the same bits for any number of them. It decides as Ceres does with a sparse Schur complement,
-/// but keeps no Jacobian: factors are linearized again where landmarks are substituted back, which
-/// costs less than to write and read them. K. Levenberg, 1944; D. Brown, "The bundle adjustment -
-/// progress and prospects", 1976.
+/// but keeps no Jacobian, only what landmarks are substituted back with. K. Levenberg, 1944; D.
+/// Brown, "The bundle adjustment - progress and prospects", 1976.
 class SchurSolver {
  public:
   /// \param problem  whose losses are concave in the squared error, as robust ones are
@@ -54,6 +53,7 @@ class SchurSolver {
   ReducedSystem system_;
   std::function<void()> prepare_;
   LandmarkDamping damping_;
+  std::vector<EliminatedLandmarks> eliminated_;  ///< by chunk, at the last linearization
   Eigen::VectorXd scales_;  ///< of the states' columns; empty before they are first linearized
 };
 

@@ -9,6 +9,15 @@ namespace {
 
 constexpr int kChunkColumns = 384;  // a dense system that a core's cache holds
 
+struct HashOfStates {
+  size_t operator()(const std::vector<int>& states) const {
+    std::uint64_t hash = 14695981039346656037u;  // as G. Fowler, L. Noll and P. Vo have it
+    for (const int state : states)
+      hash = (hash ^ static_cast<std::uint32_t>(state)) * 1099511628211u;
+    return static_cast<size_t>(hash);
+  }
+};
+
 }  // namespace
 
 /// What a problem says, as long as it is sorted.
@@ -138,7 +147,10 @@ void SchurStructure::CutIntoChunks() {
     chunks.back().states = std::move(together);
     chunks.back().end_group = static_cast<std::uint32_t>(i + 1);
   }
-  for (SchurChunk& chunk : chunks) Place(chunk);
+  for (SchurChunk& chunk : chunks) {
+    Place(chunk);
+    FindFootprints(chunk);
+  }
 }
 
 void SchurStructure::Place(SchurChunk& chunk) {
@@ -161,6 +173,29 @@ void SchurStructure::Place(SchurChunk& chunk) {
     for (size_t j = 0; j <= i; ++j)
       if (is_tied[i * count + j])
         chunk.pairs.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j)});
+}
+
+void SchurStructure::FindFootprints(SchurChunk& chunk) {
+  std::unordered_map<std::vector<int>, std::uint32_t, HashOfStates> known;
+  std::vector<int> moved;
+  chunk.first_footprint = static_cast<std::uint32_t>(footprints.size());
+  for (std::uint32_t g = chunk.first_group; g < chunk.end_group; ++g)
+    for (std::uint32_t i = groups[g].first_factor; i < groups[g].end_factor; ++i) {
+      moved.clear();
+      int width = 0;
+      for (size_t k = 0; k < factors[i].cost->parameter_block_sizes().size(); ++k) {
+        SchurParameter& parameter = parameters[factors[i].first_parameter + k];
+        moved.push_back(parameter.state);
+        if (parameter.state == kHeldState) continue;
+        parameter.local = width;
+        width += parameter.tangent_size;
+      }
+      const auto [found, is_new] =
+          known.try_emplace(moved, static_cast<std::uint32_t>(footprints.size()));
+      if (is_new) footprints.push_back({i, width});
+      factors[i].footprint = found->second;
+    }
+  chunk.end_footprint = static_cast<std::uint32_t>(footprints.size());
 }
 
 void SchurStructure::Place(const SchurChunk& chunk, SchurGroup& group) {

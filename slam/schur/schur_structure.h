@@ -29,6 +29,7 @@ struct SchurParameter {
   std::int16_t tangent_size = 0;    ///< of a state
   std::int32_t state = kHeldState;  ///< kHeldState also of landmarks
   std::int32_t column = 0;          ///< of a state: its first in the chunk
+  std::int32_t local = 0;           ///< of a state: its first among those of the factor
   std::int32_t packed = 0;          ///< its first among the columns that its group touches
 };
 
@@ -36,6 +37,14 @@ struct SchurFactor {
   const ceres::CostFunction* cost = nullptr;
   const ceres::LossFunction* loss = nullptr;  ///< null: none
   std::uint32_t first_parameter = 0;          ///< as many as `cost` has follow
+  std::uint32_t footprint = 0;
+};
+
+/// The states that factors of a chunk move together, as bearings of one image do. Their products
+/// are summed up in a small matrix first.
+struct SchurFootprint {
+  std::uint32_t factor = 0;  ///< one of them
+  int width = 0;             ///< columns of its states
 };
 
 /// Neighboring columns of a chunk that a group touches.
@@ -60,6 +69,7 @@ struct SchurPair {
 /// system.
 struct SchurChunk {
   std::uint32_t first_group = 0, end_group = 0;
+  std::uint32_t first_footprint = 0, end_footprint = 0;
   std::vector<int> states;   ///< indices, ascending
   std::vector<int> columns;  ///< the first of each in the chunk, and how many there are
   std::vector<SchurPair> pairs;
@@ -79,6 +89,7 @@ struct SchurStructure {
   int num_columns = 0;
   std::vector<SchurParameter> parameters;
   std::vector<SchurFactor> factors;
+  std::vector<SchurFootprint> footprints;
   std::vector<SchurRun> runs;
   std::vector<SchurGroup> groups;
   std::vector<SchurChunk> chunks;
@@ -87,6 +98,9 @@ struct SchurStructure {
   std::span<const SchurParameter> ParametersOf(const SchurFactor& factor) const {
     return {parameters.data() + factor.first_parameter,
             factor.cost->parameter_block_sizes().size()};
+  }
+  std::span<const SchurRun> RunsOf(const SchurGroup& group) const {
+    return {runs.data() + group.first_run, group.end_run - group.first_run};
   }
 
  private:
@@ -98,6 +112,7 @@ struct SchurStructure {
   void CutIntoChunks();
   void Place(SchurChunk& chunk);
   void Place(const SchurChunk& chunk, SchurGroup& group);
+  void FindFootprints(SchurChunk& chunk);
   std::vector<int> StatesOf(const SchurGroup& group) const;
   int ColumnsOf(const std::vector<int>& of) const;
 };

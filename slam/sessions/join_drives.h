@@ -10,7 +10,7 @@
 namespace parkade {
 
 /// The keyframes that CloseLoops found along `odometry`, where `odom_from_body` puts them.
-/// DescribeKeyframes says anew what is seen there.
+/// KeyframeMover takes what is seen there to them.
 std::vector<RigKeyframe> KeyframesAlong(const Trajectory& odometry,
                                         const Trajectory& odom_from_body,
                                         const KeyframeOptions& options);

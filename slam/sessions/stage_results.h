@@ -18,7 +18,7 @@ namespace parkade {
 // Error{kInvalidInput} for other bytes.
 
 /// Raised whenever one of the layouts, or what a stage does with the same inputs, changes.
-constexpr int kStageResultsVersion = 5;
+constexpr int kStageResultsVersion = 7;
 
 std::string EncodeLoops(LoopClosure loops);
 LoopClosure DecodeLoops(std::string_view bytes);

@@ -30,10 +30,11 @@ WindowGraph::WindowGraph(SmootherWindow& window)
 }
 
 void WindowGraph::AddStates() {
-  for (const StateNode& node : window_.nodes) {
-    NodeBlocks& blocks = nodes_.emplace_back();
-    blocks.pose = arena_.Add(node.pose);
-    blocks.motion = arena_.Add(node.motion);
+  // Motions first: each is tied to few other states, and they are eliminated in this order.
+  for (const StateNode& node : window_.nodes)
+    nodes_.emplace_back().motion = arena_.Add(node.motion);
+  for (size_t i = 0; i < nodes_.size(); ++i) nodes_[i].pose = arena_.Add(window_.nodes[i].pose);
+  for (const NodeBlocks& blocks : nodes_) {
     graph_.AddPose(blocks.pose, true);
     graph_.AddMotion(blocks.motion, true);
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -21,17 +23,6 @@ struct Corner {
   Eigen::Vector2d pixel;
   float score = 0;
 };
-
-bool IsLocalMaximum(const cv::Mat& scores, int y, int x) {
-  const float score = scores.at<float>(y, x);
-  for (int dy = -1; dy <= 1; ++dy)
-    for (int dx = -1; dx <= 1; ++dx) {
-      const float other = scores.at<float>(y + dy, x + dx);
-      // The first of equal neighbors in reading order wins.
-      if (other > score || (other == score && (dy < 0 || (dy == 0 && dx < 0)))) return false;
-    }
-  return true;
-}
 
 /// Which spots are taken, on the lattice of the scores.
 class Occupancy {
@@ -62,14 +53,30 @@ class Occupancy {
   double radius_ = 0;
 };
 
+/// The scores of an image, and where they peak.
+struct ScoredImage {
+  cv::Mat scores, is_peak;
+};
+
+bool AreZero8(const std::uint8_t* bytes) {
+  std::uint64_t word;
+  std::memcpy(&word, bytes, sizeof word);
+  return word == 0;
+}
+
 /// The best few corners of one cell, best first.
-std::vector<Corner> BestOfCell(const cv::Mat& scores, const cv::Rect& cell, const cv::Mat& usable,
-                               int spacing) {
+std::vector<Corner> BestOfCell(const ScoredImage& image, const cv::Rect& cell,
+                               const cv::Mat& usable, int spacing) {
   std::vector<Corner> corners;
   for (int y = cell.y; y < cell.br().y; ++y) {
+    const auto* is_peak = image.is_peak.ptr<std::uint8_t>(y);
     for (int x = cell.x; x < cell.br().x; ++x) {
-      const float score = scores.at<float>(y, x);
-      if (score < kMinScore || !IsLocalMaximum(scores, y, x)) continue;
+      if (x + 8 <= cell.br().x && AreZero8(is_peak + x)) {
+        x += 7;
+        continue;
+      }
+      if (is_peak[x] == 0) continue;
+      const float score = image.scores.at<float>(y, x);
       const Eigen::Vector2d pixel(x * spacing, y * spacing);
       if (usable.at<std::uint8_t>(y * spacing, x * spacing) == 0) continue;
       corners.push_back({pixel, score});
@@ -118,11 +125,12 @@ std::vector<Eigen::Vector2d> CornerDetector::Detect(
 
   const cv::Rect inside(1, 1, std::min(scores.cols, usable.cols / spacing) - 2,
                         std::min(scores.rows, usable.rows / spacing) - 2);
+  const ScoredImage image{scores, FindPeaks(scores, kMinScore)};
   std::vector<Corner> candidates;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column)
       for (const Corner& corner : BestOfCell(
-               scores, cv::Rect(column * cell, row * cell, cell, cell) & inside, usable, spacing))
+               image, cv::Rect(column * cell, row * cell, cell, cell) & inside, usable, spacing))
         candidates.push_back(corner);
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Corner& a, const Corner& b) { return a.score > b.score; });

@@ -120,6 +120,20 @@ class TensorWindows {
   std::array<TensorRow, kWindow> ring_;
 };
 
+/// FindPeaks in one row, which each pointer is at the beginning of. Comparisons round nothing.
+PARKADE_VECTORIZED void MarkPeaks(const float* __restrict above, const float* __restrict row,
+                                  const float* __restrict below, size_t size, float least,
+                                  std::uint8_t* __restrict is_peak) {
+  for (size_t x = 1; x + 1 < size; ++x) {
+    const float score = row[x];
+    const bool is_first =
+        (score > above[x - 1]) & (score > above[x]) & (score > above[x + 1]) & (score > row[x - 1]);
+    const bool is_no_lower = (score >= row[x + 1]) & (score >= below[x - 1]) & (score >= below[x]) &
+                             (score >= below[x + 1]);
+    is_peak[x] = static_cast<std::uint8_t>((score >= least) & is_first & is_no_lower);
+  }
+}
+
 }  // namespace corner_scores
 
 cv::Mat CornerScores(const cv::Mat& image) {
@@ -133,6 +147,15 @@ cv::Mat CornerScores(const cv::Mat& image) {
     if (y + 1 >= kWindow) windows.Score(scores.ptr<float>(y - kWindow / 2 + 1) + kWindow / 2);
   }
   return scores;
+}
+
+cv::Mat FindPeaks(const cv::Mat& scores, float least) {
+  cv::Mat is_peak = cv::Mat::zeros(scores.size(), CV_8UC1);
+  for (int y = 1; y + 1 < scores.rows; ++y)
+    corner_scores::MarkPeaks(scores.ptr<float>(y - 1), scores.ptr<float>(y),
+                             scores.ptr<float>(y + 1), static_cast<size_t>(scores.cols), least,
+                             is_peak.ptr<std::uint8_t>(y));
+  return is_peak;
 }
 
 }  // namespace parkade

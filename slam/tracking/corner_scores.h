@@ -13,4 +13,8 @@ inline constexpr int kCornerBlock = 2;  ///< [px] corners are sought on a lattic
 /// \param image  a level of BuildPyramid, which goes on beyond its edges
 cv::Mat CornerScores(const cv::Mat& image);
 
+/// Which scores are at least `least`, and no lower than the eight around them: CV_8UC1, not 0
+/// there. The first of equal neighbors in reading order is it. Entries at the edge are not.
+cv::Mat FindPeaks(const cv::Mat& scores, float least);
+
 }  // namespace parkade

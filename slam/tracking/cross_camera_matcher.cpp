@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <utility>
 
 #include "core/error.h"
 #include "slam/tracking/patch_alignment.h"
@@ -41,6 +43,7 @@ struct Hypothesis {
   double inverse_depth = 0;  ///< [1/m] along the ray of `from`
   Eigen::Vector2d pixel;     ///< in `to`
   Surface surface = Surface::kFacing;
+  double score = -1;  ///< normalized correlation there; -1: nothing to compare
 };
 
 /// What the ray at an inverse depth shows in `to`; nothing outside its usable pixels.
@@ -56,29 +59,48 @@ std::optional<Hypothesis> HypothesisAt(const Views& views, const Eigen::Vector3d
   return Hypothesis{inverse_depth, *pixel};
 }
 
-/// d pixel in `source` / d pixel in `target` for a small plane through
-/// `point_in_target` with `normal_in_target`; central differences through both lenses.
-std::optional<Eigen::Matrix2d> WarpOf(const CameraModel& source, const CameraModel& target,
-                                      const Rigid3& source_from_target,
-                                      const Eigen::Vector3d& point_in_target,
-                                      const Eigen::Vector2d& pixel_in_target,
-                                      const Eigen::Vector3d& normal_in_target) {
-  constexpr double kStep = 2;  // [px]
+/// Rays of a camera left and right of a pixel, above and below it.
+struct RaysAround {
+  static constexpr double kStep = 2;  ///< [px]
+  Eigen::Vector3d along[2][2];        ///< by axis of the image and side
+};
+
+std::optional<RaysAround> FindRaysAround(const CameraModel& model, const Eigen::Vector2d& pixel) {
+  RaysAround rays;
+  for (int axis = 0; axis < 2; ++axis) {
+    for (int side = 0; side < 2; ++side) {
+      const Eigen::Vector2d offset =
+          (side == 0 ? -RaysAround::kStep : RaysAround::kStep) * Eigen::Vector2d::Unit(axis);
+      const std::optional<Eigen::Vector3d> ray = model.Unproject(pixel + offset);
+      if (!ray) return std::nullopt;
+      rays.along[axis][side] = *ray;
+    }
+  }
+  return rays;
+}
+
+/// A small plane, as a camera sees it.
+struct Facet {
+  Eigen::Vector3d point, normal;
+};
+
+/// d pixel in `source` / d pixel in the target, whose rays meet `facet_in_target`; central
+/// differences through both lenses.
+std::optional<Eigen::Matrix2d> WarpOf(const CameraModel& source, const Rigid3& source_from_target,
+                                      const RaysAround& rays, const Facet& facet_in_target) {
   Eigen::Matrix2d warp;
   for (int axis = 0; axis < 2; ++axis) {
     Eigen::Vector2d ends[2];
     for (int side = 0; side < 2; ++side) {
-      const Eigen::Vector2d offset = (side == 0 ? -kStep : kStep) * Eigen::Vector2d::Unit(axis);
-      const std::optional<Eigen::Vector3d> ray = target.Unproject(pixel_in_target + offset);
-      if (!ray) return std::nullopt;
-      const double range = normal_in_target.dot(point_in_target) / normal_in_target.dot(*ray);
+      const Eigen::Vector3d& ray = rays.along[axis][side];
+      const double range =
+          facet_in_target.normal.dot(facet_in_target.point) / facet_in_target.normal.dot(ray);
       if (!(range > 0)) return std::nullopt;
-      const std::optional<Eigen::Vector2d> end =
-          source.Project(source_from_target * (range * *ray));
+      const std::optional<Eigen::Vector2d> end = source.Project(source_from_target * (range * ray));
       if (!end) return std::nullopt;
       ends[side] = *end;
     }
-    warp.col(axis) = (ends[1] - ends[0]) / (2 * kStep);
+    warp.col(axis) = (ends[1] - ends[0]) / (2 * RaysAround::kStep);
   }
   // A patch seen from too flat an angle, or mirrored, is no use.
   if (warp.determinant() < 0.1 || warp.determinant() > 10) return std::nullopt;
@@ -88,7 +110,8 @@ std::optional<Eigen::Matrix2d> WarpOf(const CameraModel& source, const CameraMod
 /// The template of the track at `pixel_in_from`, as `to` should see it at a depth.
 std::optional<PatchTemplate> TemplateFor(const Views& views, const Eigen::Vector2d& pixel_in_from,
                                          const Eigen::Vector3d& bearing,
-                                         const Hypothesis& hypothesis, int level) {
+                                         const Hypothesis& hypothesis, const RaysAround& rays,
+                                         int level) {
   constexpr double kFar = 1e4;  // [m]
   const double depth = 1 / std::max(hypothesis.inverse_depth, 1 / kFar);
   const Eigen::Vector3d point_in_to = views.to_from_from * (depth * bearing);
@@ -97,8 +120,7 @@ std::optional<PatchTemplate> TemplateFor(const Views& views, const Eigen::Vector
       hypothesis.surface == Surface::kGround
           ? views.to.up_in_camera
           : Eigen::Vector3d((ray_in_to + point_in_to.normalized()).normalized());
-  const auto warp = WarpOf(views.from.model, views.to.model, views.from_from_to, point_in_to,
-                           hypothesis.pixel, normal);
+  const auto warp = WarpOf(views.from.model, views.from_from_to, rays, Facet{point_in_to, normal});
   if (!warp) return std::nullopt;
   return MakeTemplate(views.from.pyramid[static_cast<size_t>(level)], pixel_in_from / (1 << level),
                       *warp);
@@ -127,56 +149,65 @@ std::vector<Hypothesis> SampleCurve(const Views& views, const Eigen::Vector3d& b
   return curve;
 }
 
-/// Normalized correlation at each point of the curve; -1 where there is none.
-std::vector<double> Score(const Views& views, const FeatureObservation& track,
-                          const std::vector<Hypothesis>& curve, int level) {
+/// The points of a curve with their scores: each that of the surface that fits best.
+std::vector<Hypothesis> Score(const Views& views, const FeatureObservation& track,
+                              std::span<const Surface> surfaces, int level,
+                              std::vector<Hypothesis> curve) {
   const cv::Mat& image = views.to.pyramid[static_cast<size_t>(level)];
-  std::vector<double> scores(curve.size(), -1.0);
-  std::optional<PatchTemplate> patch;
+  std::vector<std::pair<Surface, PatchTemplate>> patches;  // of the next points
   for (size_t i = 0; i < curve.size(); ++i) {
     if (i % kSamplesPerWarp == 0) {
-      const size_t middle = std::min(i + kSamplesPerWarp / 2, curve.size() - 1);
-      patch = TemplateFor(views, track.pixel, track.bearing, curve[middle], level);
+      patches.clear();
+      Hypothesis middle = curve[std::min(i + kSamplesPerWarp / 2, curve.size() - 1)];
+      const auto rays = FindRaysAround(views.to.model, middle.pixel);
+      for (size_t k = 0; k < surfaces.size() && rays; ++k) {
+        middle.surface = surfaces[k];
+        if (auto patch = TemplateFor(views, track.pixel, track.bearing, middle, *rays, level))
+          patches.emplace_back(surfaces[k], *patch);
+      }
     }
-    if (!patch) continue;
+    if (patches.empty()) continue;
     const auto seen =
         SamplePatch(image, curve[i].pixel / (1 << level), Eigen::Matrix2d::Identity());
-    if (seen) scores[i] = Correlation(patch->values, *seen);
+    if (!seen) continue;
+    for (const auto& [surface, patch] : patches) {
+      const double score = Correlation(patch.values, *seen);
+      if (score <= curve[i].score) continue;
+      curve[i].score = score;
+      curve[i].surface = surface;
+    }
   }
-  return scores;
+  return curve;
 }
 
 /// The one point on the curve that looks like the track, or nothing where none does or several do.
 std::optional<Hypothesis> Search(const Views& views, const FeatureObservation& track,
                                  double min_depth, int level) {
-  std::vector<Hypothesis> curve = SampleCurve(views, track.bearing, min_depth, level);
-  if (curve.empty()) return std::nullopt;
-  std::vector<double> scores = Score(views, track, curve, level);
-  if (track.bearing.dot(views.from.up_in_camera) < -kMinDepression) {
-    for (Hypothesis& place : curve) place.surface = Surface::kGround;
-    const std::vector<double> on_ground = Score(views, track, curve, level);
-    for (size_t i = 0; i < curve.size(); ++i) {
-      if (scores[i] >= on_ground[i]) curve[i].surface = Surface::kFacing;
-      scores[i] = std::max(scores[i], on_ground[i]);
-    }
-  }
-  const auto best = std::max_element(scores.begin(), scores.end());
-  if (*best < kMinSearchCorrelation) return std::nullopt;
-  const auto best_index = static_cast<size_t>(best - scores.begin());
+  constexpr Surface kSurfaces[] = {Surface::kFacing, Surface::kGround};
+  const bool is_below_horizon = track.bearing.dot(views.from.up_in_camera) < -kMinDepression;
+  const std::vector<Hypothesis> curve =
+      Score(views, track, std::span(kSurfaces, is_below_horizon ? 2 : 1), level,
+            SampleCurve(views, track.bearing, min_depth, level));
+  const auto best =
+      std::max_element(curve.begin(), curve.end(),
+                       [](const Hypothesis& a, const Hypothesis& b) { return a.score < b.score; });
+  if (best == curve.end() || best->score < kMinSearchCorrelation) return std::nullopt;
   const double near = 4.0 * (1 << level);  // [px] the flanks of the best itself
-  for (size_t i = 0; i < curve.size(); ++i) {
-    if ((curve[i].pixel - curve[best_index].pixel).norm() < near) continue;
-    if (1 - *best > kMaxAmbiguity * (1 - scores[i])) return std::nullopt;
+  for (const Hypothesis& other : curve) {
+    if ((other.pixel - best->pixel).norm() < near) continue;
+    if (1 - best->score > kMaxAmbiguity * (1 - other.score)) return std::nullopt;
   }
-  return curve[best_index];
+  return *best;
 }
 
 /// From the search level down to the full image.
 std::optional<PatchMatch> RefineIn(const Views& views, const FeatureObservation& track,
                                    const Hypothesis& hypothesis, int level) {
   PatchMatch match{hypothesis.pixel, 0};
+  const auto rays = FindRaysAround(views.to.model, hypothesis.pixel);
+  if (!rays) return std::nullopt;
   for (; level >= 0; --level) {
-    const auto patch = TemplateFor(views, track.pixel, track.bearing, hypothesis, level);
+    const auto patch = TemplateFor(views, track.pixel, track.bearing, hypothesis, *rays, level);
     if (!patch) return std::nullopt;
     const auto aligned = AlignPatch(*patch, views.to.pyramid[static_cast<size_t>(level)],
                                     match.pixel / (1 << level), 3.0);
@@ -203,7 +234,9 @@ bool ReturnsTo(const FeatureObservation& track, const Views& views, const Featur
   const double depth = 1 / std::max(inverse_depth, 1e-4);
   const double depth_in_to = (views.to_from_from * (depth * track.bearing)).norm();
   const Hypothesis start{1 / depth_in_to, track.pixel, surface};
-  const auto patch = TemplateFor(back, match.pixel, match.bearing, start, 0);
+  const auto rays = FindRaysAround(back.to.model, start.pixel);
+  if (!rays) return false;
+  const auto patch = TemplateFor(back, match.pixel, match.bearing, start, *rays, 0);
   if (!patch) return false;
   const auto aligned =
       AlignPatch(*patch, views.from.pyramid[0], track.pixel + Eigen::Vector2d(1, -1), 4.0);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "core/decompositions.h"
 #include "core/rigid3.h"
@@ -39,11 +40,12 @@ std::vector<Eigen::Vector3d> Turn(const std::vector<BearingPair>& pairs,
   return turned;
 }
 
-/// Sum of squared errors cut at the threshold: the smaller, the better.
+/// Sum of squared errors cut at the threshold: the smaller, the better. Where that is not below
+/// `limit`, any number that is not.
 double CostOf(const std::vector<BearingPair>& pairs, const std::vector<Eigen::Vector3d>& turned,
-              const Eigen::Vector3d& direction, double max_error) {
+              const Eigen::Vector3d& direction, double max_error, double limit) {
   double cost = 0;
-  for (size_t i = 0; i < pairs.size(); ++i) {
+  for (size_t i = 0; i < pairs.size() && cost < limit; ++i) {
     const double share = ErrorOf(pairs[i], turned[i], direction) / max_error;
     cost += std::min(share * share, 1.0);
   }
@@ -88,13 +90,14 @@ Eigen::Vector3d SampleDirection(const std::vector<BearingPair>& pairs,
                                 const std::vector<Eigen::Vector3d>& turned, double max_error) {
   Sequence sequence;
   Eigen::Vector3d best = Eigen::Vector3d::UnitZ();
-  double best_cost = CostOf(pairs, turned, best, max_error);
+  double best_cost =
+      CostOf(pairs, turned, best, max_error, std::numeric_limits<double>::infinity());
   for (int sample = 0; sample < kNumSamples; ++sample) {
     const size_t i = sequence.Below(pairs.size()), j = sequence.Below(pairs.size());
     const Eigen::Vector3d direction =
         turned[i].cross(pairs[i].now).cross(turned[j].cross(pairs[j].now));
     if (i == j || direction.norm() < 1e-12) continue;
-    const double cost = CostOf(pairs, turned, direction.normalized(), max_error);
+    const double cost = CostOf(pairs, turned, direction.normalized(), max_error, best_cost);
     if (cost >= best_cost) continue;
     best_cost = cost;
     best = direction.normalized();
@@ -169,7 +172,7 @@ EpipolarCheck CheckEpipolarGeometry(const std::vector<BearingPair>& pairs,
     const Motion refined = Refine(pairs, {rotation, direction}, now_from_last, max_error_px);
     for (const Motion& motion : {Motion{rotation, direction}, refined}) {
       const double cost =
-          CostOf(pairs, Turn(pairs, motion.rotation), motion.direction, max_error_px);
+          CostOf(pairs, Turn(pairs, motion.rotation), motion.direction, max_error_px, best_cost);
       if (cost >= best_cost) continue;
       best_cost = cost;
       best = motion;

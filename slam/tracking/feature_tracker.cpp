@@ -29,6 +29,13 @@ bool IsSet(const cv::Mat& mask, const Eigen::Vector2d& pixel) {
   return x >= 0 && y >= 0 && x < mask.cols && y < mask.rows && mask.at<std::uint8_t>(y, x) != 0;
 }
 
+/// Says whether two images of one size are equal; most differ in their first row.
+bool AreEqual(const cv::Mat& a, const cv::Mat& b) {
+  for (int y = 0; y < a.rows; ++y)
+    if (!std::equal(a.ptr(y), a.ptr(y) + a.cols, b.ptr(y))) return false;
+  return true;
+}
+
 }  // namespace
 
 FeatureTracker::FeatureTracker(const RigCamera& camera, int camera_index,
@@ -98,7 +105,7 @@ bool FeatureTracker::IsUsable(const cv::Mat& gray) {
     return false;
   }
   // At standstill two equal images are possible (a simulator without noise) and harmless.
-  if (median_flow_ > kMovingFlow && cv::norm(gray, last_gray_, cv::NORM_INF) == 0) {
+  if (median_flow_ > kMovingFlow && AreEqual(gray, last_gray_)) {
     ++statistics_.frames_duplicate;
     return false;
   }

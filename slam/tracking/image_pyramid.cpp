@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "slam/tracking/vectorized.h"
+
 namespace parkade {
 namespace {
 
@@ -90,6 +92,16 @@ class BlockRow {
   const cv::Mat& blocks_;
 };
 
+PARKADE_VECTORIZED_FLOATS void ScaleRow(const std::uint8_t* __restrict from,
+                                        const float* __restrict gain,
+                                        const float* __restrict offset, int width,
+                                        std::uint8_t* __restrict to) {
+  for (int x = 0; x < width; ++x) {
+    const float value = gain[x] * static_cast<float>(from[x]) + offset[x] + 0.5f;
+    to[x] = static_cast<std::uint8_t>(static_cast<int>(std::min(std::max(value, 0.0f), 255.0f)));
+  }
+}
+
 }  // namespace
 
 cv::Mat ToGray(const cv::Mat& image, const cv::Size& size) {
@@ -117,17 +129,9 @@ cv::Mat NormalizeLocally(const cv::Mat& gray, double noise_floor) {
   const BlockRow gain_rows(gain), offset_rows(offset);
   std::vector<float> row_gain(gain_rows.size()), row_offset(gain_rows.size());
   cv::Mat normalized(gray.size(), CV_8UC1);
-  const int width = gray.cols;  // pixels are bytes, which may be anything: kept in a register
-  for (int y = 0; y < gray.rows; ++y) {
-    const float* a = gain_rows.At(y, row_gain);
-    const float* b = offset_rows.At(y, row_offset);
-    const std::uint8_t* from = gray.ptr<std::uint8_t>(y);
-    std::uint8_t* to = normalized.ptr<std::uint8_t>(y);
-    for (int x = 0; x < width; ++x) {
-      const float value = a[x] * static_cast<float>(from[x]) + b[x] + 0.5f;
-      to[x] = static_cast<std::uint8_t>(static_cast<int>(std::min(std::max(value, 0.0f), 255.0f)));
-    }
-  }
+  for (int y = 0; y < gray.rows; ++y)
+    ScaleRow(gray.ptr<std::uint8_t>(y), gain_rows.At(y, row_gain), offset_rows.At(y, row_offset),
+             gray.cols, normalized.ptr<std::uint8_t>(y));
   return normalized;
 }
 

@@ -17,7 +17,10 @@ cv::Point2f ToPoint(const Eigen::Vector2d& pixel) {
   return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
 }
 
-double Norm(const cv::Point2f& step) { return std::hypot(step.x, step.y); }
+double Norm(const cv::Point2f& step) {
+  const double x = step.x, y = step.y;
+  return std::sqrt(x * x + y * y);
+}
 
 /// From `at` [px of this level] to where the patch is; nothing where that leaves the image.
 std::optional<cv::Point2f> Converge(const FlowPatch& patch, const cv::Mat& image, cv::Point2f at) {

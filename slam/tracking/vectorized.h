@@ -9,3 +9,12 @@
 #else
 #define PARKADE_VECTORIZED
 #endif
+
+/// The same for floats: without fused multiplications both versions round alike, as long as no sum
+/// runs along a loop.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define PARKADE_VECTORIZED_FLOATS __attribute__((target_clones("avx2", "default")))
+#else
+#define PARKADE_VECTORIZED_FLOATS
+#endif

@@ -94,7 +94,6 @@ struct TinyWorld {
 
 GraphSolverOptions ToTheEnd() {
   GraphSolverOptions options;
-  options.solver = GraphSolverOptions::Solver::kSchurSolver;
   options.max_iterations = 50;
   options.function_tolerance = 1e-12;
   return options;

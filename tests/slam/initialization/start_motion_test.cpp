@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "slam/factors/triangulate.h"
+#include "slam/initialization/start_problem.h"
 #include "tests/support/sampled_drive.h"
 
 namespace parkade {
@@ -26,6 +30,26 @@ double TiltError(const SampledDrive& drive, const Eigen::Quaterniond& odom_from_
   const Eigen::Vector3d up = odom_from_imu.conjugate() * Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d true_up = truth.conjugate() * Eigen::Vector3d::UnitZ();
   return std::acos(std::min(1.0, up.dot(true_up)));
+}
+
+/// Some seconds of a road without wheels, at 10 Hz.
+SampledDriveOptions RoadOptions(int number, double duration, int num_cameras) {
+  SampledDriveOptions options;
+  options.seed = static_cast<std::uint32_t>(100 + number);
+  options.duration = duration;
+  options.camera_rate = 10;
+  options.num_cameras = num_cameras;
+  options.has_wheels = false;
+  options.points_per_meter = 6;
+  options.tracks = 150;
+  return options;
+}
+
+/// From all that was recorded.
+auto StartOf(const SampledDrive& drive, const ImuBuffer& imu) {
+  return StartFromImages(imu, drive.frames, drive.rig,
+                         EstimateGyroscopeBias(drive.frames, imu, drive.rig).value(),
+                         drive.imu.front().time, imu.back().time);
 }
 
 TEST(EstimateGyroscopeBias, FindsALargeBiasInFlight) {
@@ -74,23 +98,12 @@ TEST(StartFromImages, FindsVelocityAndGravityOfAFlight) {
 TEST(StartFromImages, StereoStartsWithinASecondAtAnySpeedInAnyBend) {
   int num_found = 0;
   for (int k = 0; k < 40; ++k) {
-    SampledDriveOptions options;
-    options.seed = static_cast<std::uint32_t>(100 + k);
-    options.duration = 1.1;
-    options.camera_rate = 10;
-    options.num_cameras = 2;
-    options.has_wheels = false;
-    options.points_per_meter = 6;
-    options.tracks = 150;
     const double speed = 15 + 20.0 * k / 39, yaw_rate = (k % 2 == 0 ? 1 : -1) * (k % 8) / 7.0;
-    SampledDrive drive = MakeBendDrive(options, speed, yaw_rate);
+    SampledDrive drive = MakeBendDrive(RoadOptions(k, 1.1, 2), speed, yaw_rate);
     drive.rig.vehicle.reset();  // or the height of the cameras would tell the scale
     const ImuBuffer imu = BuffersOf(drive).imu;
-    const auto bias = EstimateGyroscopeBias(drive.frames, imu, drive.rig);
-    ASSERT_TRUE(bias);
 
-    const auto start = StartFromImages(imu, drive.frames, drive.rig, *bias, drive.imu.front().time,
-                                       imu.back().time);
+    const auto start = StartOf(drive, imu);
 
     if (!start) continue;
     ++num_found;
@@ -99,6 +112,86 @@ TEST(StartFromImages, StereoStartsWithinASecondAtAnySpeedInAnyBend) {
         << speed << " m/s, " << yaw_rate << " rad/s";
   }
   EXPECT_EQ(num_found, 40);
+}
+
+TEST(StartFromImages, OneCameraAtAKnownHeightStartsOnAStraightRoadAndInBends) {
+  int num_right = 0;
+  for (int k = 0; k < 10; ++k) {
+    const double speed = 15 + 20.0 * k / 9, yaw_rate = (k % 2 == 0 ? 1 : -1) * (k % 4) / 3.0;
+    const SampledDrive drive = MakeBendDrive(RoadOptions(k, 2.5, 1), speed, yaw_rate);
+    const ImuBuffer imu = BuffersOf(drive).imu;
+
+    const auto start = StartOf(drive, imu);
+
+    if (!start) continue;
+    EXPECT_NEAR(start->state.velocity_in_odom.norm(), speed, 0.06 * speed) << yaw_rate << " rad/s";
+    EXPECT_LT(std::abs(start->state.velocity_in_odom.norm() - speed),
+              2 * start->uncertainty.velocity);
+    ++num_right;
+  }
+  EXPECT_GE(num_right, 9);
+}
+
+/// Points that one camera saw, each `depth` [m] below it.
+StartProblem ProblemOverGround(const std::vector<double>& depths) {
+  StartProblem problem;
+  problem.images.resize(1);
+  problem.images[0].rotation.setIdentity();
+  for (const double depth : depths) {
+    StartTrack& track = problem.tracks.emplace_back();
+    track.observations.resize(1);
+    track.ray = Eigen::Vector3d(4, 1, -depth).normalized();
+    track.inverse_distance = 1 / Eigen::Vector3d(4, 1, -depth).norm();
+    track.inverse_distance_sigma = 0.01 * track.inverse_distance;
+  }
+  return problem;
+}
+
+Rig RigAtHeight(double height) {
+  Rig rig;
+  rig.vehicle = VehicleCalibration{};
+  rig.cameras.resize(1);
+  rig.cameras[0].body_from_camera.translation.z() = height;
+  return rig;
+}
+
+TEST(MeasureGroundScale, VergesAboveTheRoadHardlyPullIt) {
+  const StartProblem problem =
+      ProblemOverGround({1.5, 1.51, 1.49, 1.5, 1.52, 1.5, 1.31, 1.32, 1.3, 1.31, 1.33});
+
+  const auto scale = MeasureGroundScale(problem, RigAtHeight(1.5));
+
+  ASSERT_TRUE(scale);
+  EXPECT_NEAR(scale->log_scale, 0, 0.02);
+  EXPECT_EQ(scale->num_points, 11);
+}
+
+TEST(MeasureGroundScale, TellsByHowMuchTheWorldIsTooSmall) {
+  const StartProblem problem = ProblemOverGround({0.75, 0.76, 0.75, 0.74, 0.75, 0.75});
+
+  const auto scale = MeasureGroundScale(problem, RigAtHeight(1.5));
+
+  ASSERT_TRUE(scale);
+  EXPECT_NEAR(scale->log_scale, std::log(2), 0.01);
+}
+
+TEST(CollectStartProblem, KeepsLowTracksOfTwoImagesWhereTheGroundIsKnown) {
+  SampledDriveOptions options;
+  options.duration = 2;
+  options.camera_rate = 10;
+  options.num_cameras = 1;
+  SampledDrive drive = MakeBendDrive(options, 30, 0);
+  const ImuBuffer imu = BuffersOf(drive).imu;
+  const auto num_brief = [&] {
+    const StartProblem problem = CollectStartProblem(imu, drive.frames, drive.rig, {},
+                                                     drive.imu.front().time, drive.imu.back().time);
+    return std::count_if(problem.tracks.begin(), problem.tracks.end(),
+                         [](const StartTrack& track) { return track.observations.size() == 2; });
+  };
+
+  EXPECT_GT(num_brief(), 0);
+  drive.rig.vehicle.reset();
+  EXPECT_EQ(num_brief(), 0);
 }
 
 TEST(StartFromImages, RefusesACarAtConstantSpeedWhoseScaleNothingTells) {

@@ -61,7 +61,7 @@ TEST(EstimateTrajectory, ADroneInFlightIsFollowedFromTheFirstSample) {
 
   const Answer answer = EstimateReal("euroc_v101_moving");
 
-  EXPECT_LT(answer.error.rigid.translation.rmse, 0.10);
+  EXPECT_LT(answer.error.rigid.translation.rmse, 0.03);
 }
 
 TEST(EstimateTrajectory, ADroneOnTheGroundStays) {

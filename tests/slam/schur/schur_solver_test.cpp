@@ -98,6 +98,43 @@ TEST(SchurSolver, StatesOutsideAStretchStay) {
   EXPECT_LT(Difference(own, by_ceres), 1e-5);
 }
 
+TEST(SchurSolver, OneStepOfAWindowIsTheOneOfCeres) {
+  const AdjustedStretch window{8, 20, true, false};
+  const Solved by_ceres = SolveBy(Solver::kCeresDense, window, 1);
+  const Solved own = SolveBy(Solver::kSchurSolver, window, 1);
+
+  EXPECT_LT(own.summary.final_cost, 0.9 * own.cost_before);
+  EXPECT_NEAR(own.summary.final_cost, by_ceres.summary.final_cost,
+              1e-6 * by_ceres.summary.final_cost);
+  EXPECT_LT(Difference(own, by_ceres), 1e-6);
+}
+
+TEST(SchurSolver, DenseAndSparseSystemsHaveTheSameSolution) {
+  static const DisturbedDrive disturbed;
+  const std::unique_ptr<AdjustedDrive> drive = disturbed.Make();
+  DriveGraph graph(*drive, {8, 20, false, true}, 1);
+  const SchurStructure structure(graph.graph().problem(), graph.graph().landmarks());
+  graph.graph().Cost();
+  LandmarkDamping damping{1e4, {structure.num_landmarks, Eigen::Vector3d::Zero()}};
+  const std::unique_ptr<ReducedMatrix> dense = MakeDenseMatrix(structure),
+                                       sparse = MakeSparseMatrix(structure);
+  dense->SetZero();
+  sparse->SetZero();
+  for (size_t i = 0; i < structure.chunks.size(); ++i) {
+    const SchurSums sums = SumUp(structure, structure.chunks[i], damping);
+    dense->Add(i, sums);
+    sparse->Add(i, sums);
+  }
+
+  const Eigen::VectorXd added = Eigen::VectorXd::Constant(structure.num_columns, 1e3),
+                        right = Eigen::VectorXd::LinSpaced(structure.num_columns, -1, 1);
+  const std::optional<Eigen::VectorXd> x = dense->Solve(added, right),
+                                       expected = sparse->Solve(added, right);
+
+  ASSERT_TRUE(x && expected);
+  EXPECT_LT((*x - *expected).norm(), 1e-9 * expected->norm());
+}
+
 TEST(SchurSolver, CutsAProblemIntoChunksThatHoldEachFactorOnce) {
   static const DisturbedDrive disturbed;
   const std::unique_ptr<AdjustedDrive> drive = disturbed.Make();

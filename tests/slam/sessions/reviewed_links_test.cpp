@@ -79,8 +79,8 @@ TEST_F(ReviewedJoin, ARejectedLinkJoinsNothingAndIsStillMeasured) {
 
 TEST_F(ReviewedJoin, WithoutAnyLinkADriveIsLeftOutAndSaysWhy) {
   LinkReview review;
-  for (const SessionLoop& link : Join({}).pairs[0].found.links)
-    review.rejected.push_back(IdOf(link));
+  const DriveJoin before = Join({});
+  for (const SessionLoop& link : before.pairs[0].found.links) review.rejected.push_back(IdOf(link));
   const DriveJoin join = Join(review);
 
   EXPECT_EQ(join.drives[1].left_out, "a reviewer rejected all links");

@@ -33,6 +33,40 @@ TEST(CornerScores, AreSmallerEigenvaluesOfStructureTensors) {
   EXPECT_EQ(scores.at<float>(1, 1), 0);
 }
 
+/// No neighbor is higher, and none before it in reading order as high.
+bool IsPeak(const cv::Mat& scores, int y, int x, float least) {
+  const float score = scores.at<float>(y, x);
+  if (score < least) return false;
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx) {
+      const float other = scores.at<float>(y + dy, x + dx);
+      if (other > score || (other == score && (dy < 0 || (dy == 0 && dx < 0)))) return false;
+    }
+  return true;
+}
+
+TEST(FindPeaks, AreThoseThatOneLookAtEachFinds) {
+  for (const int num_values : {3, 40, 100000})  // few: many neighbors are equal
+    for (const cv::Size& size : {cv::Size(67, 41), cv::Size(16, 5), cv::Size(3, 3)}) {
+      cv::Mat scores(size, CV_32FC1);
+      cv::RNG random(static_cast<std::uint64_t>(num_values));
+      for (int y = 0; y < size.height; ++y)
+        for (int x = 0; x < size.width; ++x)
+          scores.at<float>(y, x) = static_cast<float>(random.uniform(0, num_values));
+      const float least = 0.4F * static_cast<float>(num_values);
+
+      const cv::Mat is_peak = FindPeaks(scores, least);
+
+      for (int y = 0; y < size.height; ++y)
+        for (int x = 0; x < size.width; ++x) {
+          const bool is_inside = x > 0 && y > 0 && x + 1 < size.width && y + 1 < size.height;
+          ASSERT_EQ(is_peak.at<std::uint8_t>(y, x) != 0, is_inside && IsPeak(scores, y, x, least))
+              << x << ", " << y;
+        }
+    }
+  EXPECT_EQ(cv::countNonZero(FindPeaks(cv::Mat::zeros(0, 0, CV_32FC1), 1)), 0);
+}
+
 TEST(CornerScores, StrongestCornersDoNotOverflow) {
   cv::Mat image(64, 64, CV_8UC1, cv::Scalar(0));
   for (int y = 0; y < image.rows; ++y)
