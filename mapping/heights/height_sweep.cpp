@@ -18,7 +18,7 @@ namespace parkade {
 namespace {
 
 constexpr double kTileSide = 14.4;   // [m] of what one thread sweeps
-constexpr size_t kMaxPatches = 500;  // of a block, read at once: that bounds memory
+constexpr size_t kMaxPatches = 250;  // of a block, read at once: that bounds memory
 constexpr double kMinLever =
     1.0;  // distance over height of the eye: a steeper view tells no height
 constexpr double kMeanAlong = 1.5, kMeanAcross = 0.2;  // [m] the squares of LocalMeans

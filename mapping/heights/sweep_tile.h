@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "mapping/heights/sweep_agreement.h"
@@ -47,7 +49,7 @@ class TileSweep {
 
   std::vector<Agreement> Sweep() const { return SweepTwice(nullptr); }
 
-  /// Also; `coarse` gets the agreements of cells twice as long and wide, which far views, whose
+  /// Also: `coarse` gets the agreements of cells twice as long and wide, which far views, whose
   /// samples lie apart, need.
   std::vector<Agreement> SweepTwice(std::vector<Agreement>* coarse) const;
 
@@ -68,21 +70,47 @@ class TileSweep {
 
     void Add(const Sample& of_view);
   };
+  /// Cells row by row, with a rim of one that gathers what lies outside.
+  class Grid {
+   public:
+    explicit Grid(int across);
 
-  /// Along each side, `cells_in_one` of which, along each side, make one.
+    /// Adds what one view says, until EndView(). Weights must be > 0.
+    void Add(std::span<const std::int32_t> cells, const Sample* samples);
+    void EndView();
+    /// Also: `coarse` gets the view's sums, of cell `i` in its `coarse_of[i]`.
+    void EndView(std::span<const std::int32_t> coarse_of, Grid& coarse);
+
+    int across() const { return across_; }
+    const Cell& At(int column, int row) const {
+      return cells_[static_cast<std::size_t>(row * across_ + column)];
+    }
+
+   private:
+    int across_ = 0;
+    std::vector<Cell> cells_;
+    // What the view at hand says lies apart and close together: it is touched most often.
+    std::vector<Sample> of_view_;
+    std::vector<std::int32_t> seen_;
+    std::size_t num_seen_ = 0;
+    std::vector<Sample> sums_;  // of the cells that are seen, for the coarse grid
+  };
+
+  /// Along each side, `cells_in_one` of which, along each side, make one; with the rim.
   int NumCells(int cells_in_one) const {
-    return shape_.num_windows * shape_.cells_per_window / cells_in_one;
+    return shape_.num_windows * shape_.cells_per_window / cells_in_one + 2;
   }
-  std::vector<Cell> AddUp(float offset, int cells_in_one) const;
-  void AgreementsInto(std::size_t height, int cells_in_one,
-                      std::vector<Agreement>& agreements) const;
+  void AddUp(float offset, Grid& fine, Grid* coarse) const;
+  void AgreementsOf(const Grid& grid, int cells_in_one, std::size_t height,
+                    std::vector<Agreement>& agreements) const;
 
   SweepShape shape_;
   float per_cell_ = 0;          ///< [1/m]
   std::vector<float> x_, y_;    ///< [cells]
   std::vector<float> dx_, dy_;  ///< [cells] per meter of height
   std::vector<Sample> samples_;
-  std::vector<std::size_t> views_;  ///< where each begins
+  std::vector<std::size_t> views_;       ///< where each begins
+  std::vector<std::int32_t> coarse_of_;  ///< of each cell of a Grid, that of the coarse one
 };
 
 }  // namespace parkade

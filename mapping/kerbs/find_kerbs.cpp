@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/statistics.h"
+#include "mapping/kerbs/kerb_lines.h"
 #include "mapping/kerbs/kerb_looks.h"
 #include "mapping/kerbs/kerb_steps.h"
 #include "mapping/kerbs/outline_strips.h"
@@ -129,9 +130,10 @@ std::vector<Kerb> FindKerbs(const TriangleMesh& mesh, const SurfaceMap& surface,
   StripsAlong along;
   for (std::size_t i = 0; i < strips.size(); ++i) along[{strips[i].ring, strips[i].index}] = i;
   const std::vector<KerbLook> looks = LookBeyond(strips, KerbStep::kStripLength, surface);
-  const std::vector<std::optional<KerbStep>> steps =
+  std::vector<std::optional<KerbStep>> steps =
       MeasureSteps(strips, looks, along, options.min_height, patches, paths);
-  const std::vector<bool> is_kerb = FindSupported(strips, looks, along, steps, options.min_height);
+  std::vector<bool> is_kerb = FindSupported(strips, looks, along, steps, options.min_height);
+  ContinueLines(strips, looks, along, options.min_height, steps, is_kerb);
   std::vector<Kerb> kerbs;
   for (const Run& run : FindRuns(strips, steps, is_kerb, along)) {
     Kerb kerb = KerbOf(run, strips, steps);

@@ -29,8 +29,9 @@ struct KerbOptions {
 /// alike. Walls and parked cars agree at no height more than at others. The ground before the
 /// outline is swept, too, and its height taken off. What strips along the outline say is put
 /// together (MeasureSteps), and what a network takes for a kerb (LookBeyond) is believed unless it
-/// is seen to be flat. Strips that follow each other are one kerb; short gaps that say nothing are
-/// bridged. O(samples near the outline); in parallel, the same every time.
+/// is seen to be flat. Kerbs go straight on (ContinueLines). Strips that follow each other are one
+/// kerb; short gaps that say nothing are bridged. O(samples near the outline); in parallel, the
+/// same every time.
 std::vector<Kerb> FindKerbs(const TriangleMesh& mesh, const SurfaceMap& surface,
                             const PatchSource& patches, std::span<const DrivenPath> paths,
                             const KerbOptions& options = {});

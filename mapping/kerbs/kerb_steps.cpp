@@ -15,9 +15,12 @@ constexpr StripWindow kBeyond{
     0.05, -0.06, KerbStep::kMaxHeight};             // what lies nearer may be the front of the step
 constexpr StripWindow kBefore{-0.65, -0.08, 0.08};  // the rim may be of something else
 constexpr double kMinParallax = 1.0;  // [m per meter of height] views from one side agree anywhere
-constexpr double kMaxFreedom = 40;    // neighbors keep their say, however many samples there are
-constexpr float kMinEvidence = 0.5F;  // [nats] of a strip itself
-constexpr double kMaxSigma = 0.015;   // [m]
+constexpr double kMinFreedom = 12;    // of samples less cells: fewer say nothing
+constexpr double kMaxFreedom = 4;     // samples of a strip err together, strips along it do not
+constexpr double kNoise = 9;          // [gray values squared] by which views differ anyway
+constexpr double kLeastMisfit = 0.05;
+constexpr float kMinEvidence = 0.05F;  // [nats] of a strip itself
+constexpr double kMaxSigma = 0.015;    // [m]
 constexpr StepPenalties kAlongKerbs{1.2F, 5};
 constexpr float kUsualKerb = 0.12F, kUsualDeviation = 0.04F;  // [m]
 constexpr int kMaxChainGap = 3;  // strips from one to the next of a chain
@@ -72,13 +75,30 @@ Misfits MisfitsOf(const std::vector<Agreement>& agreements) {
   return misfits;
 }
 
-/// [nats] what a strip says against each height; all 0 where it says nothing.
+/// The share of the variance along the rows that remains within cells.
+double ShareWithin(const Agreement& at) {
+  const double weight = std::max(1.0F, at.weight);
+  const double within = static_cast<double>(at.residual) / weight / (at.num_samples - at.num_cells),
+               along = static_cast<double>(at.total) / weight / (at.num_samples - at.num_means);
+  const double noise = kNoise / at.num_samples;
+  return std::clamp((within + noise) / (along + noise), kLeastMisfit, 1.0);
+}
+
+/// [nats] what a strip says against each height; all 0 where it says nothing. Each height is judged
+/// by what varies there: once the kerb has left the window little does, whatever the height.
 std::vector<float> CostsOf(const SweptStrip& swept) {
+  std::vector<float> costs(static_cast<std::size_t>(kBeyond.NumHeights()));
   if (swept.num_views < kMinViews || swept.parallax < kMinParallax || swept.near_outline.empty())
-    return std::vector<float>(static_cast<std::size_t>(kBeyond.NumHeights()));
+    return costs;
   std::vector<Agreement> agreements = swept.near_outline;
   for (std::size_t i = 0; i < agreements.size(); ++i) agreements[i].Add(swept.far_off[i]);
-  return CostsOf(agreements, kMaxFreedom);
+  const double usual = FreedomOf(agreements);
+  if (usual < kMinFreedom) return costs;
+  const double freedom = std::min(usual / kViewCorrelation, kMaxFreedom);
+  for (std::size_t i = 0; i < costs.size(); ++i)
+    if (agreements[i].num_samples - agreements[i].num_cells >= 0.5 * usual)
+      costs[i] = static_cast<float>(0.5 * freedom * std::log(ShareWithin(agreements[i])));
+  return costs;
 }
 
 /// The strip before each one along its outline, or -1.
@@ -219,7 +239,7 @@ std::vector<std::optional<KerbStep>> MeasureSteps(std::span<const OutlineStrip> 
     const bool is_front = top && !IsLevel(SumOf(around, beyond, false, true), top->height);
     if (is_front) top.reset();
     const bool is_near = beyond[i].num_views >= kMinViews;
-    if (!top && looks[i] == KerbLook::kKerb && is_near && !is_flat)
+    if (looks[i] == KerbLook::kKerb && is_near && !is_flat)
       top = is_front ? KerbStep{kUsualKerb, kUsualDeviation} : TopOfKerb(costs, i);
     if (!top) continue;
     const std::optional<KerbStep> ground = GroundBefore(SumOf(around, before, true, true));

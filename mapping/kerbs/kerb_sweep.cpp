@@ -134,8 +134,16 @@ class StripImage {
         cells_(static_cast<std::size_t>(columns_ * kRows)) {}
 
   void Draw(double height, const std::vector<View>& views) {
-    std::fill(cells_.begin(), cells_.end(), Sums{});
+    hits_.clear();
     for (const View& view : views) Add(view, static_cast<float>(height));
+    // An edge along the outline that crosses cells would look like views that disagree there.
+    std::fill(profile_.begin(), profile_.end(), Sums{});
+    for (const Hit& hit : hits_) profile_[hit.line].Add(hit.gray, hit.weight);
+    std::fill(cells_.begin(), cells_.end(), Sums{});
+    for (const Hit& hit : hits_) {
+      const Sums& line = profile_[hit.line];
+      cells_[hit.cell].Add(hit.gray - line.gray / line.weight, hit.weight);
+    }
   }
 
   Agreement OfRows(int begin, int end) const {
@@ -160,10 +168,17 @@ class StripImage {
 
  private:
   static constexpr int kRows = StripWindow::kNearRows + StripWindow::kFarRows;
+  static constexpr int kLinesPerRow = 5;
+
+  /// A sample in the image: its cell, and the thin line along the outline that it lies on.
+  struct Hit {
+    std::size_t cell = 0, line = 0;
+    float gray = 0, weight = 0;  ///< gray off the mean of its view
+  };
 
   void Add(const View& view, float height) {
     constexpr auto kPerCell = static_cast<float>(1 / StripWindow::kCellSize);
-    hits_.clear();
+    const std::size_t first = hits_.size();
     Sums of_view;
     for (const ObservedPoint& observation : view) {
       const float x =
@@ -173,20 +188,25 @@ class StripImage {
       if (x < 0 || y < 0) continue;
       const int column = static_cast<int>(x), row = static_cast<int>(y);
       if (column >= columns_ || row >= kRows) continue;
-      hits_.emplace_back(row * columns_ + column, &observation);
+      hits_.push_back({static_cast<std::size_t>(row * columns_ + column),
+                       std::min(static_cast<std::size_t>(y * kLinesPerRow), profile_.size() - 1),
+                       observation.gray, observation.weight});
       of_view.Add(observation.gray, observation.weight);
     }
-    if (of_view.count < kMinSamples) return;
+    if (of_view.count < kMinSamples) {
+      hits_.resize(first);
+      return;
+    }
     const float mean = of_view.gray / of_view.weight;
-    for (const auto& [cell, observation] : hits_)
-      cells_[static_cast<std::size_t>(cell)].Add(
-          std::clamp(observation->gray - mean, -kMaxContrast, kMaxContrast), observation->weight);
+    for (std::size_t i = first; i < hits_.size(); ++i)
+      hits_[i].gray = std::clamp(hits_[i].gray - mean, -kMaxContrast, kMaxContrast);
   }
 
   float half_length_, begin_;
   int columns_;
   std::vector<Sums> cells_;
-  std::vector<std::pair<int, const ObservedPoint*>> hits_;
+  std::array<Sums, kRows * kLinesPerRow> profile_;
+  std::vector<Hit> hits_;
 };
 
 double ParallaxOf(const std::vector<View>& views) {

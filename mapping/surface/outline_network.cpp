@@ -67,10 +67,15 @@ cv::Mat CorrectionsOf(std::span<const PaintedCell> cells, const Block& block,
       cv::Rect(cv::Point(kReach, kReach) * kOutlineFactor, block.core.size() * kOutlineFactor));
 }
 
+/// What of a correction counts.
+float BeyondDoubt(float correction) {
+  return std::copysign(std::max(std::abs(correction) - OutlineNetwork::kDoubt, 0.0F), correction);
+}
+
 /// What observations were not sure of is corrected, but nobody is surer of it.
 float Corrected(float belief, float correction) {
   const float log_odds = std::log(belief / (1 - belief));
-  const float corrected = std::clamp(log_odds + kStep * std::round(correction / kStep),
+  const float corrected = std::clamp(log_odds + kStep * std::round(BeyondDoubt(correction) / kStep),
                                      std::min(log_odds, -kUnsure), std::max(log_odds, kUnsure));
   return 1 / (1 + std::exp(-corrected));
 }

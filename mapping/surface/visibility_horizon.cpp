@@ -1,38 +1,50 @@
 #include "mapping/surface/visibility_horizon.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+
+#include "mapping/surface/ray_direction.h"
 
 namespace parkade {
 namespace {
 
-constexpr int kNumDirections = 256;
 constexpr double kStep = 0.1;          // [m] along a ray
 constexpr double kNearest = 0.8;       // [m]
 constexpr double kMinObstacle = 0.25;  // [m] along a ray; less is a hole in what is known
 constexpr float kMargin = 0.1F;        // [m] of an outline
+constexpr double kPiece = 0.25;        // [m] of a ray, of which an image says whether it stands
+constexpr int kMinStanding = 2;        // samples in a piece
 
-/// The direction of a ray, 0 to kNumDirections - 1.
-int DirectionOf(const Eigen::Vector2d& ray) {
-  const double turn = (std::atan2(ray.y(), ray.x()) + std::numbers::pi) / (2 * std::numbers::pi);
-  return static_cast<int>(turn * kNumDirections) % kNumDirections;
+/// Low things hide nothing, and the own car is known.
+bool Stands(const GroundSample& sample) {
+  switch (sample.surface) {
+    case SurfaceClass::kVehicle:
+    case SurfaceClass::kPerson:
+    case SurfaceClass::kStructure:
+    case SurfaceClass::kUnknown: return !sample.is_free && !sample.IsBeyond();
+    default: return false;
+  }
 }
 
 }  // namespace
 
 VisibilityHorizon::VisibilityHorizon(const Rigid3& site_from_camera, const Rigid3& site_from_ground,
                                      double max_range, const CellFinder& cells)
-    : ranges_(kNumDirections, static_cast<float>(max_range)) {
+    : ranges_(kNumRayDirections, static_cast<float>(max_range)) {
   const Eigen::Vector3d normal = site_from_ground.rotation * Eigen::Vector3d::UnitZ();
   const Eigen::Vector2d slope = -normal.head<2>() / normal.z();
   const Eigen::Vector2d eye = site_from_camera.translation.head<2>();
   const double height =
       site_from_ground.translation.z() + slope.dot(eye - site_from_ground.translation.head<2>());
-  for (int i = 0; i < kNumDirections; ++i) {
-    const double angle = (i + 0.5) / kNumDirections * 2 * std::numbers::pi - std::numbers::pi;
+  for (int i = 0; i < kNumRayDirections; ++i) {
+    const double angle = (i + 0.5) / kNumRayDirections * 2 * std::numbers::pi - std::numbers::pi;
     const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
     double last_free = kNearest;
-    for (double range = kNearest; range < max_range; range += kStep) {
+    const int num_steps = static_cast<int>(std::ceil((max_range - kNearest) / kStep));
+    for (int step = 0; step < num_steps; ++step) {
+      const double range = kNearest + step * kStep;
       const Eigen::Vector2d place = eye + range * along;
       const SurfaceCell* cell =
           cells.Find({place.x(), place.y(), height + range * slope.dot(along)});
@@ -42,6 +54,32 @@ VisibilityHorizon::VisibilityHorizon(const Rigid3& site_from_camera, const Rigid
       break;
     }
   }
+}
+
+void VisibilityHorizon::HideBehind(const PosedGroundPatch& seen, const Eigen::Vector2d& eye) {
+  if (ranges_.empty()) return;
+  const float max_range = *std::max_element(ranges_.begin(), ranges_.end());
+  const auto num_pieces = static_cast<std::size_t>(max_range / kPiece) + 1;
+  std::vector<std::array<std::uint16_t, 2>> counts(ranges_.size() * num_pieces);  // free, standing
+  for (const GroundSample& sample : seen.patch.samples) {
+    const bool stands = Stands(sample);
+    if (!stands && !sample.is_free) continue;
+    const Eigen::Vector3d point = seen.site_from_body * sample.point_in_body.cast<double>();
+    const Eigen::Vector2d ray = point.head<2>() - eye;
+    const auto piece = static_cast<std::size_t>(ray.norm() / kPiece);
+    if (piece >= num_pieces) continue;
+    ++counts[static_cast<std::size_t>(DirectionOf(ray)) * num_pieces + piece][stands ? 1 : 0];
+  }
+  const std::size_t num_directions = ranges_.size();
+  for (std::size_t i = 0; i < num_directions; ++i)
+    for (std::size_t piece = 0; piece < num_pieces; ++piece) {
+      const auto [free, standing] = counts[i * num_pieces + piece];
+      if (standing < kMinStanding || standing < free) continue;
+      const auto range = static_cast<float>(kPiece * static_cast<double>(piece)) - 2 * kMargin;
+      for (const std::size_t k : {i + num_directions - 1, i, i + 1})  // its rims, too
+        ranges_[k % num_directions] = std::min(ranges_[k % num_directions], range);
+      break;
+    }
 }
 
 bool VisibilityHorizon::Shows(const Eigen::Vector2d& eye, const Eigen::Vector2d& point) const {

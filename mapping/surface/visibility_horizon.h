@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/ground_patch.h"
 #include "core/rigid3.h"
 #include "mapping/ground/cell_finder.h"
 
@@ -22,6 +23,10 @@ class VisibilityHorizon {
   /// everything is hidden
   VisibilityHorizon(const Rigid3& site_from_camera, const Rigid3& site_from_ground,
                     double max_range, const CellFinder& cells);
+
+  /// Hides what follows on anything that an image of the camera, which was at `eye` [m], shows to
+  /// stand on the ground: what has left since, and what ends between directions.
+  void HideBehind(const PosedGroundPatch& seen, const Eigen::Vector2d& eye);
 
   /// Whether the camera, which is at `eye` [m], sees the ground at a point.
   bool Shows(const Eigen::Vector2d& eye, const Eigen::Vector2d& point) const;

@@ -70,7 +70,7 @@ class PlaceSquares {
 
 std::vector<bool> ChooseImages(std::span<GroundImage> images,
                                std::span<const Eigen::Vector3d> places, double max_range,
-                               const std::function<void(GroundImage&)>& prepare) {
+                               const std::function<void(std::size_t image)>& prepare) {
   PlaceSquares squares(places);
   std::vector<bool> is_chosen(images.size());
   for (std::size_t i = images.size(); i-- > 0;) {
@@ -94,7 +94,7 @@ std::vector<bool> ChooseImages(std::span<GroundImage> images,
     });
     if (count_served() < kMinPlaces) continue;
     if (prepare) {
-      prepare(image);
+      prepare(i);
       std::erase_if(shown, [&](const auto& observation) {
         return !image.open_ground.Shows(eye.head<2>(), observation.first->point.template head<2>());
       });

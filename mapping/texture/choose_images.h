@@ -18,10 +18,10 @@ namespace parkade {
 ///
 /// \param images   drive by drive, the latest last; their images are not looked at
 /// \param places   [m] in site, on the ground, evenly spread
-/// \param prepare  is called once with each image that may be chosen: says what of the ground it
-/// shows (open_ground) \return for each image whether it is chosen
+/// \param prepare  is called once with the index of each image that may be chosen: says what of the
+/// ground it shows (open_ground) \return for each image whether it is chosen
 std::vector<bool> ChooseImages(std::span<GroundImage> images,
                                std::span<const Eigen::Vector3d> places, double max_range,
-                               const std::function<void(GroundImage&)>& prepare = {});
+                               const std::function<void(std::size_t image)>& prepare = {});
 
 }  // namespace parkade

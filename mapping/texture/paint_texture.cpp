@@ -246,31 +246,40 @@ void TextureOptions::Validate() const {
 }
 
 GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface,
-                           std::span<const PatchView> views, std::span<const TextureSource> sources,
+                           const PatchSource& patches, std::span<const TextureSource> sources,
                            const TextureOptions& options) {
   options.Validate();
   GroundTexture texture{options.texel_size, options.chart_size, {}};
   if (!options.enabled || mesh.empty()) return texture;
   std::vector<GroundImage> images;
-  std::vector<PatchView> used;
-  for (const PatchView& view : views)
+  std::vector<std::size_t> used;  // the image's patch
+  for (std::size_t i = 0; i < patches.views().size(); ++i) {
+    const PatchView& view = patches.views()[i];
     if (const TextureSource* source = FindSource(sources, view.drive)) {
       images.push_back(ImageOf(view, *source));
-      used.push_back(view);
+      used.push_back(i);
     }
+  }
   std::vector<ChartSquare> squares = CutIntoSquares(mesh, options.chart_size);
   const CellFinder cells(surface);
   const std::vector<bool> is_chosen = ChooseImages(
-      images, PlacesOn(squares, mesh, kPlaceDistance), options.max_range, [&](GroundImage& image) {
+      images, PlacesOn(squares, mesh, kPlaceDistance), options.max_range, [&](std::size_t i) {
+        GroundImage& image = images[i];
         image.open_ground = VisibilityHorizon(image.site_from_camera, image.site_from_ground,
                                               options.max_range, cells);
+        image.open_ground.HideBehind(patches.Read(used[i]),
+                                     image.site_from_camera.translation.head<2>());
       });
   std::vector<ChosenImage> chosen;
   for (std::size_t i = 0; i < images.size(); ++i)
-    if (is_chosen[i]) chosen.push_back({used[i].drive, used[i].camera, used[i].time, images[i]});
+    if (is_chosen[i]) {
+      const PatchView& view = patches.views()[used[i]];
+      chosen.push_back({view.drive, view.camera, view.time, images[i]});
+    }
   CalibrateImages(chosen, sources, cells, PlacesOn(squares, mesh, kLightPlaceDistance),
                   options.max_range);
   std::vector<SquarePainter> painters;
+  painters.reserve(squares.size());
   for (ChartSquare& square : squares) painters.emplace_back(std::move(square), mesh, options);
   const std::vector<std::span<SquarePainter>> parts = CutIntoParts(painters, options.max_texels);
   for (const std::span<SquarePainter> part : parts) {

@@ -40,19 +40,19 @@ struct TextureSource {
 /// images that see it from near, all images are brought to one light (CalibratePhotometry), and the
 /// steepest observations of the latest drive that agree are blended.
 ///
-/// Among the images that `views` name, only those are decoded that some place needs (ChooseImages),
-/// once for their light and once to paint. Logs are read one after the other; a chart takes 24
+/// An image paints no ground that lies behind what it shows to stand there. Among the images of
+/// `patches`, only those are decoded that some place needs (ChooseImages), once for their light and
+/// once to paint. Logs are read one after the other; a chart takes 24
 /// bytes per texel from the first image that shows it to the last, 4 before and after. Where charts
 /// have more than `max_texels` they are painted part by part, each from all the logs that show it,
 /// and lie on disk once they are done. In parallel over charts, the same every time, whatever the
 /// parts.
 ///
-/// \param views    images that showed ground, with their poses, drive by drive, the latest last;
-/// those of drives
+/// \param patches  of images that showed ground, drive by drive, the latest last; those of drives
 ///                 without a source are not used
 /// \param sources  at most one per drive
 GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface,
-                           std::span<const PatchView> views, std::span<const TextureSource> sources,
+                           const PatchSource& patches, std::span<const TextureSource> sources,
                            const TextureOptions& options = {});
 
 }  // namespace parkade

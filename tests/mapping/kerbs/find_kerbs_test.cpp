@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -29,6 +30,7 @@ double Pattern(double x, double y) {
 struct Border {
   double bottom = 0, top = 0.12;  ///< [m] above the ground
   bool is_plain = false;          ///< nothing but its color is seen of it
+  double stone = 0;  ///< [m] width of a bright stone along it; what lies behind is nearly plain
 };
 
 /// What a ray from `eye` through `point` of the plane z = 0 sees. The ground lies at z = 0 too.
@@ -40,7 +42,12 @@ double GrayAlong(const Vector3d& eye, const Vector3d& point, const Border& borde
   if (border.is_plain) return 130;
   if (front.z() < border.top) return 70 + Pattern(front.x(), 5 * front.z());
   const Vector3d level = eye + (border.top - eye.z()) / ray.z() * ray;
-  return 130 + Pattern(level.x(), level.y());
+  if (border.stone == 0) return 130 + Pattern(level.x(), level.y());
+  // Views blur what is far from them.
+  const double blur = 0.02 * (level - eye).norm();
+  const double share = std::clamp((kBorder + border.stone - level.y()) / blur + 0.5, 0.0, 1.0);
+  return 120 + 0.03 * Pattern(level.x(), level.y()) +
+         share * (60 + 0.5 * Pattern(level.x(), level.y()));
 }
 
 /// Three cameras at different heights and distances look to their left while the car drives along y
@@ -133,6 +140,14 @@ TEST(FindKerbs, MeasuresAStepUpToSomethingLevel) {
     }
     EXPECT_LT(kerbs[0].points.back().x(), kerbs[0].points.front().x())
         << "the ground lies on its left";
+  }
+}
+
+TEST(FindKerbs, TheEdgeOfABrightStoneBeforePlainGroundHidesNoHeight) {
+  for (const double height : {0.1, 0.14}) {
+    const std::vector<Kerb> kerbs = FindByLook({.bottom = 0, .top = height, .stone = 0.15});
+    ASSERT_EQ(kerbs.size(), 1U) << height;
+    EXPECT_NEAR(kerbs[0].height, height, 0.015);
   }
 }
 

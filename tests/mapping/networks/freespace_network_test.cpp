@@ -99,7 +99,10 @@ TEST_F(FreespaceNetworkFiles, OfNineChannelsTheFirstTwoAreDrivable) {
   EXPECT_EQ(belief.ClassAt({3, 2}), SurfaceClass::kDrivable);
   EXPECT_EQ(belief.ClassAt({3, 30}), SurfaceClass::kKerb);
   const float green = 2 * 20;  // of Gradient, in row 20
-  EXPECT_NEAR(belief.At({40, 20}), std::log(std::exp(4) + std::exp(1)) - 0.1F * green, 1e-3);
+  // Markings and kerbs weigh twice and three times in one of two losses of the training.
+  EXPECT_NEAR(belief.At({40, 20}),
+              std::log((std::exp(4) / std::sqrt(2) + std::exp(1)) * std::sqrt(3)) - 0.1F * green,
+              1e-3);
 }
 
 TEST_F(FreespaceNetworkFiles, ANetworkOfOpenSizeIsRunAt320x208) {

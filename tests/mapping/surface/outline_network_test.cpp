@@ -91,7 +91,8 @@ TEST(OutlineNetwork, CorrectsWhatWasSeenAndNotDrivenOnWithinBounds) {
       continue;
     }
     const double correction = LogOdds(after[i]) - LogOdds(before[i]);
-    EXPECT_LE(std::abs(correction), static_cast<double>(OutlineNetwork::kMaxCorrection) + 0.02);
+    EXPECT_LE(std::abs(correction),
+              static_cast<double>(OutlineNetwork::kMaxCorrection - OutlineNetwork::kDoubt) + 0.02);
     num_changed += std::abs(correction) > 0.1;
   }
   EXPECT_GT(num_changed, 1000);

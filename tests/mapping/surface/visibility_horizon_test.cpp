@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace parkade {
 namespace {
 
@@ -47,6 +49,54 @@ TEST(VisibilityHorizon, WhatStandsOnItHidesTheGroundBehind) {
 TEST(VisibilityHorizon, APinholeHidesNothing) {
   const SurfaceMap surface = GroundWithout({Eigen::Vector2d(3, -1), Eigen::Vector2d(3.15, 1)});
   EXPECT_TRUE(LookFrom({0, 0}, surface).Shows({0, 0}, {6, 0}));
+}
+
+/// What one image shows on rays of a degree: something from 4 m on in the directions up to 5
+/// degrees to each side, else free ground.
+PosedGroundPatch PatchWith(SurfaceClass standing) {
+  PosedGroundPatch posed;
+  for (double angle = -180; angle < 180; angle += 0.7)
+    for (double range = 1; range < 8; range += 0.1) {
+      GroundSample sample;
+      sample.point_in_body =
+          Eigen::Vector3f(Eigen::Vector3d(range * std::cos(angle * M_PI / 180),
+                                          range * std::sin(angle * M_PI / 180), 0)
+                              .cast<float>());
+      const bool stands = std::abs(angle) < 5 && range >= 4;
+      sample.is_free = !stands;
+      sample.surface = stands ? standing : SurfaceClass::kDrivable;
+      posed.patch.samples.push_back(sample);
+    }
+  return posed;
+}
+
+TEST(VisibilityHorizon, WhoWalksByHidesTheGroundBehindInThatImage) {
+  const SurfaceMap surface = GroundWithout({});
+  const Eigen::Vector2d eye(0, 0);
+  VisibilityHorizon open = LookFrom(eye, surface);
+  ASSERT_TRUE(open.Shows(eye, {6, 0}));
+
+  open.HideBehind(PatchWith(SurfaceClass::kPerson), eye);
+
+  EXPECT_TRUE(open.Shows(eye, {3.7, 0}));
+  EXPECT_FALSE(open.Shows(eye, {4.5, 0}));
+  EXPECT_FALSE(open.Shows(eye, {7, 0.3}));
+  EXPECT_TRUE(open.Shows(eye, {6, 1.5})) << "beside it";
+}
+
+TEST(VisibilityHorizon, LowThingsAndSpecksHideNothing) {
+  const SurfaceMap surface = GroundWithout({});
+  const Eigen::Vector2d eye(0, 0);
+  VisibilityHorizon open = LookFrom(eye, surface);
+  open.HideBehind(PatchWith(SurfaceClass::kPavement), eye);
+  EXPECT_TRUE(open.Shows(eye, {6, 0}));
+  PosedGroundPatch speck = PatchWith(SurfaceClass::kDrivable);
+  for (GroundSample& sample : speck.patch.samples) sample.is_free = true;
+  speck.patch.samples[1000].is_free = false;
+  speck.patch.samples[1000].surface = SurfaceClass::kStructure;
+  open.HideBehind(speck, eye);
+  for (double angle = -3; angle < 3; angle += 0.05)
+    EXPECT_TRUE(open.Shows(eye, {7 * std::cos(angle), 7 * std::sin(angle)}));
 }
 
 TEST(VisibilityHorizon, WithoutASurfaceEverythingIsOpen) {

@@ -71,12 +71,12 @@ TEST(ChooseImages, WhereSomethingStandsInTheWayAnEarlierDriveIsAsked) {
   const SurfaceMap nothing{0.05, {}};
   const CellFinder no_ground(nothing);
   int num_prepared = 0;
-  const std::vector<bool> is_chosen =
-      ChooseImages(images, Ground(0, 20), 10, [&](GroundImage& image) {
-        ++num_prepared;
-        if (image.drive == 1)
-          image.open_ground = VisibilityHorizon(image.site_from_camera, {}, 10, no_ground);
-      });
+  const std::vector<bool> is_chosen = ChooseImages(images, Ground(0, 20), 10, [&](std::size_t i) {
+    GroundImage& image = images[i];
+    ++num_prepared;
+    if (image.drive == 1)
+      image.open_ground = VisibilityHorizon(image.site_from_camera, {}, 10, no_ground);
+  });
 
   EXPECT_GT(std::count(is_chosen.begin(), is_chosen.begin() + 21, true), 10);
   EXPECT_LE(num_prepared, 42);

@@ -116,27 +116,27 @@ TEST(PaintTexture, ManyDrivesCostHardlyMoreDecodingThanOneAndTheLatestShows) {
   const CountedDrive alone(lot.drive);
   const std::vector<TextureSource> one{{&alone, &lot.path}};
   const GroundTexture of_one =
-      PaintTexture(lot.mesh, lot.surface, PatchesInMemory(lot.patches).views(), one, options);
+      PaintTexture(lot.mesh, lot.surface, PatchesInMemory(lot.patches), one, options);
   ASSERT_FALSE(of_one.empty());
   EXPECT_GT(alone.count(), 20);
   EXPECT_LE(alone.count(), 2 * std::ssize(lot.patches)) << "once for their light, once to paint";
 
-  const PatchesInMemory patches(lot.patches);
-  std::vector<PatchView> views;
+  std::vector<PosedGroundPatch> patches;
   std::vector<DrivenPath> paths;
   for (int drive = 0; drive < 4; ++drive) {
     paths.push_back(lot.path);
     paths.back().drive = drive;
-    for (PatchView view : patches.views()) {
-      view.drive = drive;
-      views.push_back(view);
+    for (PosedGroundPatch patch : lot.patches) {
+      patch.patch.drive = drive;
+      patches.push_back(std::move(patch));
     }
   }
   const CountedDrive early(lot.drive), late(lot.drive);
   std::vector<TextureSource> four;
   for (size_t drive = 0; drive < 4; ++drive)
     four.push_back({drive < 3 ? &early : &late, &paths[drive]});
-  const GroundTexture of_four = PaintTexture(lot.mesh, lot.surface, views, four, options);
+  const GroundTexture of_four =
+      PaintTexture(lot.mesh, lot.surface, PatchesInMemory(patches), four, options);
 
   EXPECT_EQ(late.count(), alone.count());
   EXPECT_LT(early.count(), alone.count())
@@ -155,11 +155,11 @@ TEST(PaintTexture, ThePartsLeaveNoTrace) {
   const CountedDrive log(lot.drive), log_of_parts(lot.drive);
   const std::vector<TextureSource> source{{&log, &lot.path}},
       source_of_parts{{&log_of_parts, &lot.path}};
-  const GroundTexture whole = PaintTexture(lot.mesh, lot.surface, patches.views(), source, options);
+  const GroundTexture whole = PaintTexture(lot.mesh, lot.surface, patches, source, options);
   options.max_texels = 60e3;  // two charts or three
 
   const GroundTexture parts =
-      PaintTexture(lot.mesh, lot.surface, patches.views(), source_of_parts, options);
+      PaintTexture(lot.mesh, lot.surface, patches, source_of_parts, options);
 
   EXPECT_TRUE(whole.pixels.empty());
   EXPECT_GT(parts.pixels.size(), 2u);
@@ -203,9 +203,9 @@ TEST(PaintTexture, ExposuresAndLensesLeaveNoSeams) {
       dimmed_source{{&dimmed, &lot.path}};
   const PatchesInMemory patches(lot.patches);
 
-  const GroundTexture plain = PaintTexture(lot.mesh, lot.surface, patches.views(), source, options);
+  const GroundTexture plain = PaintTexture(lot.mesh, lot.surface, patches, source, options);
   const GroundTexture balanced =
-      PaintTexture(lot.mesh, lot.surface, patches.views(), dimmed_source, options);
+      PaintTexture(lot.mesh, lot.surface, patches, dimmed_source, options);
 
   EXPECT_LT(SpreadOfLight(balanced, plain), 0.05)
       << "exposures differ by 1.7, lenses lose two fifths at their rims";
