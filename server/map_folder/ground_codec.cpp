@@ -70,19 +70,31 @@ std::uint8_t Plus(std::uint8_t a, std::uint8_t b) { return static_cast<std::uint
 
 }  // namespace
 
+template <typename Place>
+GroundCells::Bytes GroundCells::BytesOf(const Place& place) {
+  Bytes bytes;
+  std::memcpy(bytes.data(), &place.point_in_body, 6);
+  std::memcpy(bytes.data() + 6, &place.weight, 2);
+  std::memcpy(bytes.data() + 8, &place.footprint, 2);
+  return bytes;
+}
+
 std::vector<std::uint32_t> GroundCells::NumbersOf(std::span<const GroundSample> samples) {
   std::vector<std::uint32_t> numbers;
   numbers.reserve(samples.size());
+  std::size_t next = 0;  // most often
   for (const GroundSample& sample : samples) {
-    Bytes bytes;
-    std::memcpy(bytes.data(), &sample.point_in_body, 6);
-    std::memcpy(bytes.data() + 6, &sample.weight, 2);
-    std::memcpy(bytes.data() + 8, &sample.footprint, 2);
-    const auto [found, is_new] =
-        numbers_.try_emplace(bytes, static_cast<std::uint32_t>(cells_.size()));
-    if (is_new)
-      cells_.push_back({sample.point_in_body, sample.weight, sample.footprint, sample.confidence});
-    numbers.push_back(found->second);
+    const Bytes bytes = BytesOf(sample);
+    if (next >= cells_.size() || BytesOf(cells_[next]) != bytes) {
+      const auto [found, is_new] =
+          numbers_.try_emplace(bytes, static_cast<std::uint32_t>(cells_.size()));
+      if (is_new)
+        cells_.push_back(
+            {sample.point_in_body, sample.weight, sample.footprint, sample.confidence});
+      next = found->second;
+    }
+    numbers.push_back(static_cast<std::uint32_t>(next));
+    ++next;
   }
   return numbers;
 }

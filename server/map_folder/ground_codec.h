@@ -33,6 +33,8 @@ class GroundCells {
 
  private:
   using Bytes = std::array<std::uint8_t, 10>;  // the cell but for its confidence
+  template <typename Place>
+  static Bytes BytesOf(const Place& place);
   struct Hash {
     std::size_t operator()(const Bytes& bytes) const {
       return std::hash<std::string_view>{}(

@@ -53,8 +53,7 @@ BuiltMap BuildMap(std::span<const std::unique_ptr<RecordedDrive>> logs, const Ma
   std::vector<TextureSource> sources;
   for (size_t i = 0; i < drives.size(); ++i)
     sources.push_back({&*drives[i].calibrated, &ground.paths[i]});
-  map.texture =
-      PaintTexture(map.mesh, map.surface, ground.patches.views(), sources, options.texture);
+  map.texture = PaintTexture(map.mesh, map.surface, ground.patches, sources, options.texture);
 
   begin("slots by drive");
   std::vector<SlotLook> looks = LooksBefore(context, drives, ground, map, progress);

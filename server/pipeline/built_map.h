@@ -33,6 +33,7 @@ struct LeftOutDrive {
   std::optional<size_t> log = {};  ///< index among the logs that BuildMap was given, where it has
                                    ///< odometry for the next version
   LoopReview review = {};
+  std::vector<std::string> warnings = {};  ///< of its log
 };
 
 /// A map and how it came about.

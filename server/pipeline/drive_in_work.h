@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "slam/odometry/calibrated_log.h"
 #include "slam/odometry/odometry_result.h"
 #include "slam/places/rig_keyframe.h"
+#include "slam/sessions/keyframe_store.h"
 
 namespace parkade {
 
@@ -20,6 +22,7 @@ struct DriveInWork {
   bool is_odometry_taken = false;  ///< from the map that the build starts from
   LoopReview review;               ///< decisions that hold, of this build and of those before
   Keyed<LoopClosure> loops;
+  std::shared_ptr<KeyframeStore> described;  ///< keyframes along the odometry; null: none yet
   Keyed<DriveRefinement> refinement;
   DriveDiagnostics diagnostics;
   std::optional<CalibratedLog> calibrated;  ///< the log as all that follows the refinement sees it

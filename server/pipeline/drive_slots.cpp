@@ -55,7 +55,7 @@ std::vector<ParkingSlot> LookAlone(const MapOptions& options, const DriveInWork&
   const TriangleMesh mesh = MeshSurface(surface, options.mesh);
   const TextureSource source{&*drive.calibrated, &path};
   const GroundTexture texture =
-      PaintTexture(mesh, surface, patches.views(), std::span(&source, 1), options.texture);
+      PaintTexture(mesh, surface, patches, std::span(&source, 1), options.texture);
   const MarkedGround marked{mesh, surface, texture, patches, std::span(&path, 1), 1, {}};
   std::vector<ParkingSlot> slots =
       FindSlots(marked, FindPaint(marked, options.markings.lines), options.markings.slots);

@@ -12,6 +12,8 @@
 #include "server/map_folder/heights_file.h"
 #include "slam/georeference/gnss_doubts.h"
 #include "slam/loops/close_loops.h"
+#include "slam/places/describe_keyframes.h"
+#include "slam/places/move_keyframes.h"
 #include "slam/sessions/stage_results.h"
 
 namespace parkade {
@@ -73,16 +75,29 @@ std::string KeyOfKeyframes(const DriveInWork& drive) {
   return KeyOf({drive.refinement.key, "places"});
 }
 
+/// Keyframes are described by the odometry, as for loops, and only where loops did not do so
+/// before; then they are taken to the refined drive.
 void EncodeKeyframesAlong(const BuildContext& context, const DriveInWork& drive,
                           const PieceSink& sink) {
-  const Trajectory& odom_from_body = drive.refinement.value.odom_from_body;
+  const OdometryResult& odometry = drive.odometry.value;
+  const DriveRefinement& refinement = drive.refinement.value;
   const KeyframeOptions& options = context.options.loops.keyframes;
-  std::vector<RigKeyframe> keyframes =
-      KeyframesAlong(drive.odometry.value.odom_from_body, odom_from_body, options);
-  KeyframesEncoder encoder(keyframes.size(), sink);
-  const std::vector<bool> all(keyframes.size(), true);
-  DescribeKeyframes(*drive.calibrated, odom_from_body, options, all, std::move(keyframes),
-                    [&encoder](RigKeyframe&& keyframe) { encoder.Add(std::move(keyframe)); });
+  std::vector<RigKeyframe> moved =
+      KeyframesAlong(odometry.odom_from_body, refinement.odom_from_body, options);
+  KeyframesEncoder encoder(moved.size(), sink);
+  KeyframeMover mover({odometry.odom_from_body, odometry.rig},
+                      {refinement.odom_from_body, drive.calibrated->rig()}, std::move(moved),
+                      options, [&](RigKeyframe&& keyframe) { encoder.Add(std::move(keyframe)); });
+  const KeyframeStore& described = *drive.described;
+  std::vector<RigKeyframe> chosen = ChooseKeyframes(odometry.odom_from_body, options);
+  std::vector<bool> is_missing;
+  is_missing.reserve(chosen.size());
+  for (const RigKeyframe& keyframe : chosen) is_missing.push_back(!described.Has(keyframe.time));
+  DescribeKeyframes(CalibratedLog(*drive.log, odometry.rig), odometry.odom_from_body, options,
+                    is_missing, std::move(chosen), [&](RigKeyframe&& keyframe) {
+                      std::optional<RigKeyframe> known = described.Find(keyframe.time);
+                      mover.Add(known ? std::move(*known) : std::move(keyframe));
+                    });
   encoder.Finish();
 }
 
@@ -93,11 +108,13 @@ void CloseLoops(const BuildContext& context, DriveInWork& drive) {
   const std::string key =
       KeyOf({drive.odometry.key, "loops", TextOf(context.options.loops), TextOf(drive.review)});
   const StageFile<LoopClosure> file{drive.log->name() + "/loops.bin", EncodeLoops, DecodeLoops};
+  drive.described = std::make_shared<KeyframeStore>();
   drive.loops = Cached(context.cache, file, key, [&] {
     // Cameras are where and when odometry found them to be.
     const OdometryResult& odometry = drive.odometry.value;
     return CloseLoops(CalibratedLog(*drive.log, odometry.rig), odometry.odom_from_body,
-                      context.options.loops, drive.review);
+                      context.options.loops, drive.review,
+                      [&](const RigKeyframe& keyframe) { drive.described->Add(keyframe); });
   });
 }
 
@@ -131,11 +148,13 @@ void DescribeKeyframes(const BuildContext& context, DriveInWork& drive) {
         return encoded;
       });
   drive.keyframes.value = DecodeKeyframes(bytes);
+  drive.described.reset();
 }
 
-void KeepKeyframes(const BuildContext& context, const DriveInWork& drive) {
+void KeepKeyframes(const BuildContext& context, DriveInWork& drive) {
   context.cache.Keep(drive.log->name() + kKeyframesFile, KeyOfKeyframes(drive),
                      [&](const PieceSink& sink) { EncodeKeyframesAlong(context, drive, sink); });
+  drive.described.reset();
 }
 
 Keyed<std::shared_ptr<const GroundFile>> ObserveGround(const BuildContext& context,

@@ -22,7 +22,7 @@ void Refine(const BuildContext& context, DriveInWork& drive);
 /// Describes the keyframes along the refined drive.
 void DescribeKeyframes(const BuildContext& context, DriveInWork& drive);
 /// Describes keyframes only to keep them for later maps: few are in memory at a time.
-void KeepKeyframes(const BuildContext& context, const DriveInWork& drive);
+void KeepKeyframes(const BuildContext& context, DriveInWork& drive);
 
 /// Observes the ground along the drive, into the map's folder, which must exist.
 Keyed<std::shared_ptr<const GroundFile>> ObserveGround(const BuildContext& context,

@@ -6,6 +6,7 @@
 #include "core/binary_archive.h"
 #include "core/options_json.h"
 #include "server/pipeline/drive_stages.h"
+#include "server/pipeline/trajectory_findings.h"
 #include "slam/sessions/stage_results.h"
 
 namespace parkade {
@@ -127,41 +128,17 @@ LinkReview LinkReviewFor(const BuildContext& context, const std::vector<DriveInW
   return review;
 }
 
-/// What is wrong with a drive's sensors, as its trajectory tells.
-std::vector<Finding> TrajectoryFindings(const DriveInWork& drive) {
-  std::vector<Finding> findings;
-  if (const std::string& doubt = drive.odometry.value.report.wheels_left_out; !doubt.empty())
-    findings.push_back({"wheels_contradict",
-                        Severity::kWarning,
-                        "",
-                        "the wheels are left out: they " + doubt,
-                        "",
-                        {}});
-  for (const CameraHealth& camera : drive.odometry.value.report.cameras)
-    if (2 * camera.frames_rejected > camera.frames)
-      findings.push_back({"camera_shows_nothing",
-                          Severity::kWarning,
-                          "",
-                          "camera " + camera.name + " shows nothing new in " +
-                              std::to_string(camera.frames_rejected) + " of " +
-                              std::to_string(camera.frames) + " images: they are blank, or repeat",
-                          "look whether it hangs or is covered",
-                          {}});
-  if (!drive.gnss_doubt.empty())
-    findings.push_back({"gnss_contradicts",
-                        Severity::kWarning,
-                        "",
-                        "GNSS is left out: its fixes " + drive.gnss_doubt,
-                        "",
-                        {}});
-  return findings;
-}
-
 DriveOutcome OutcomeOf(DriveInWork& drive) {
   const OdometryResult& odometry = drive.odometry.value;
-  return {drive.index,  odometry.report,           drive.loops.value,
-          drive.review, drive.refinement.value,    std::move(drive.diagnostics),
-          drive.gnss,   odometry.keyframes.size(), TrajectoryFindings(drive)};
+  return {drive.index,
+          odometry.report,
+          drive.loops.value,
+          drive.review,
+          drive.refinement.value,
+          std::move(drive.diagnostics),
+          drive.gnss,
+          odometry.keyframes.size(),
+          TrajectoryFindings(odometry.report, drive.gnss_doubt)};
 }
 
 }  // namespace
@@ -185,7 +162,7 @@ void JoinSite(const BuildContext& context, std::vector<DriveInWork>& drives, Bui
     JoinedDrive& joined = built.join.drives[i];
     if (!joined.left_out.empty()) {
       built.left_out.push_back({drive.log->name(), "it does not fit the others: " + joined.left_out,
-                                drive.index, drive.review});
+                                drive.index, drive.review, drive.log->health().Warnings()});
       continue;
     }
     has_gnss = has_gnss || drive.gnss;
@@ -211,13 +188,17 @@ void PutOnEarth(const BuildContext& context, BuiltMap& built) {
 
 void WarnOfLosses(const std::vector<DriveInWork>& drives, BuiltMap& built) {
   std::vector<std::string>& warnings = built.warnings;
-  for (const LeftOutDrive& drive : built.left_out)
-    warnings.push_back("drive '" + drive.name + "' is left out: " + drive.reason);
+  for (const LeftOutDrive& drive : built.left_out) {
+    const std::string name = "drive '" + drive.name + "'";
+    warnings.push_back(name + " is left out: " + drive.reason);
+    for (const std::string& warning : drive.warnings) warnings.push_back(name + ": " + warning);
+  }
   for (const DriveInWork& drive : drives) {
     const DriveLogHealth health = drive.log->health();
     const std::string name = "drive '" + drive.log->name() + "': ";
     for (const std::string& warning : health.Warnings()) warnings.push_back(name + warning);
-    for (const std::string& warning : TextsOf(TrajectoryFindings(drive), Severity::kWarning))
+    for (const std::string& warning : TextsOf(
+             TrajectoryFindings(drive.odometry.value.report, drive.gnss_doubt), Severity::kWarning))
       warnings.push_back(name + warning);
     if (health.damage.is_truncated)
       warnings.push_back(name + "the log is cut off; what came after is not in the map");

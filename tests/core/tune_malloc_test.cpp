@@ -6,6 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "tests/support/sanitizers.h"
+
 namespace parkade {
 namespace {
 
@@ -16,9 +18,7 @@ long PageFaults() {
 }
 
 TEST(KeepMemory, APieceThatWasLetGoIsTakenAgainWithoutNewPages) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers have an allocator of their own";
-#endif
+  if (kHasSanitizer) GTEST_SKIP() << "sanitizers have an allocator of their own";
   constexpr std::size_t kSize = 16 << 20;
   constexpr int kPages = kSize / 4096;
   TuneMalloc();
@@ -29,9 +29,7 @@ TEST(KeepMemory, APieceThatWasLetGoIsTakenAgainWithoutNewPages) {
 }
 
 TEST(ReleaseIdleMemory, WhatIsLetGoBelowWhatIsHeldNeedsNewPages) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers have an allocator of their own";
-#endif
+  if (kHasSanitizer) GTEST_SKIP() << "sanitizers have an allocator of their own";
   constexpr std::size_t kSize = 16 << 20;
   constexpr int kPages = kSize / 4096;
   TuneMalloc();

@@ -35,7 +35,7 @@ std::unique_ptr<AVCodecContext, Release> OpenEncoder(const cv::Mat& image,
   context->thread_count = 1;
   const std::string bframes = "bframes=" + std::to_string(options.num_b_frames);
   const std::string repeats = options.repeats_parameters ? "1" : "0";
-  av_opt_set(context->priv_data, "crf", "12", 0);
+  av_opt_set(context->priv_data, "crf", std::to_string(options.rate_factor).c_str(), 0);
   if (options.encoder == "libx265")
     av_opt_set(context->priv_data, "x265-params",
                ("log-level=none:pools=none:frame-threads=1:repeat-headers=" + repeats + ":" +

@@ -11,6 +11,7 @@ struct VideoWriterOptions {
   std::string encoder = "libx264";  ///< or "libx265", as libavcodec calls them
   int key_frame_interval = 10;      ///< images
   int num_b_frames = 0;
+  int rate_factor = 12;            ///< constant; 23 is what encoders take by themselves
   bool repeats_parameters = true;  ///< false: they come with the first key frame alone
   bool is_full_range = true;       ///< black is 0 and white 255, else 16 and 235
 };

@@ -61,7 +61,7 @@ int RunStages(const CommandLine& line) {
   const std::unique_ptr<DriveLog> log = site.Log();
   const TextureSource source{log.get(), &site.path()};
   map.texture = Measure("texture", line.hectares, [&] {
-    return PaintTexture(map.mesh, map.surface, site.patches().views(), std::span(&source, 1));
+    return PaintTexture(map.mesh, map.surface, site.patches(), std::span(&source, 1));
   });
   std::printf("         %zu charts\n", map.texture.charts.size());
   map.drives.push_back(

@@ -56,7 +56,7 @@ struct MappedGround {
   DrivenPath path;
   SurfaceMap surface;
   TriangleMesh mesh;
-  std::vector<PatchView> views;
+  std::vector<PosedGroundPatch> patches;
 };
 
 MappedGround MapGround(const SuiteDrive& drive, const TextureTableOptions& options) {
@@ -64,24 +64,23 @@ MappedGround MapGround(const SuiteDrive& drive, const TextureTableOptions& optio
   GroundObservation seen = ObserveGround(*drive.log, site_from_body, {}, 0, options.ground);
   MappedGround ground;
   ground.path = MakeDrivenPath(0, drive.true_rig, site_from_body, seen.body_from_ground);
-  std::vector<PosedGroundPatch> patches;
   for (GroundPatch& patch : seen.patches)
     if (const std::optional<Rigid3> pose = site_from_body.At(patch.time))
-      patches.push_back({std::move(patch), *pose});
-  const PatchesInMemory source(patches);
+      ground.patches.push_back({std::move(patch), *pose});
+  const PatchesInMemory source(ground.patches);
   const DriveHeights heights =
       MeasureDriveHeights(source, &ground.path, options.surface.Heights(), {});
   ground.surface =
       FuseSurface(source, std::span(&ground.path, 1), std::span(&heights, 1), options.surface, {});
   ground.mesh = MeshSurface(ground.surface, options.mesh);
-  ground.views.assign(source.views().begin(), source.views().end());
   return ground;
 }
 
 GroundTexture Paint(const MappedGround& ground, const DriveLog& log,
                     const TextureOptions& options) {
   const TextureSource source{&log, &ground.path};
-  return PaintTexture(ground.mesh, ground.surface, ground.views, std::span(&source, 1), options);
+  return PaintTexture(ground.mesh, ground.surface, PatchesInMemory(ground.patches),
+                      std::span(&source, 1), options);
 }
 
 /// The texture, and again with the car's traces in red.

@@ -13,6 +13,7 @@
 #include "server/store/tables/map_table.h"
 #include "tests/server/jobs/walls/walled.h"
 #include "tests/server/store/temporary_store.h"
+#include "tests/support/sanitizers.h"
 
 namespace parkade {
 namespace {
@@ -152,9 +153,7 @@ TEST_F(JobLimiting, AControlGroupEndsAWorkerForItsMemory) {
 }
 
 TEST_F(JobLimiting, AWorkerThatForksForEverIsEndedAndNothingIsLeft) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "a service under a sanitizer is too slow beside a fork bomb";
-#endif
+  if (kHasSanitizer) GTEST_SKIP() << "a service under a sanitizer is too slow beside a fork bomb";
   const std::string mark = "bomb-" + root_.path().filename().string();
   JobRunnerOptions options =
       Program({"python3", "-c",

@@ -113,7 +113,8 @@ TEST_F(SimulatedDrive, AnotherLensIsInTheImagesAndInTheRig) {
   options.rig.lens = "ds";
   Simulate("lens.mcap", options);
 
-  for (const RigCamera& camera : Open("lens.mcap")->rig().cameras)
+  const auto log = Open("lens.mcap");
+  for (const RigCamera& camera : log->rig().cameras)
     EXPECT_TRUE(std::holds_alternative<DoubleSphereProjection>(camera.model.projection()))
         << camera.name;
   EXPECT_NE(ReadFile(root_ / "lens.mcap"), ReadFile(PathOf("ros2.mcap")));

@@ -4,6 +4,7 @@
 #include "server/jobs/walls/worker_init.h"
 #include "server/jobs/worker_exit.h"
 #include "tests/server/jobs/walls/walled.h"
+#include "tests/support/sanitizers.h"
 
 namespace parkade {
 namespace {
@@ -30,9 +31,7 @@ class ProcessWall : public Walled {
 };
 
 TEST_P(ProcessWall, BoundsAForkBombAndLeavesNothingOfIt) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "a service under a sanitizer is too slow beside a fork bomb";
-#endif
+  if (kHasSanitizer) GTEST_SKIP() << "a service under a sanitizer is too slow beside a fork bomb";
   constexpr int kMaxTasks = 60;
   int seen = 0;
   AsService([&] {

@@ -18,6 +18,7 @@
 #include "core/file.h"
 #include "server/jobs/worker_process.h"
 #include "tests/server/store/temporary_store.h"
+#include "tests/support/sanitizers.h"
 
 namespace parkade {
 
@@ -49,9 +50,9 @@ class Walled : public testing::TestWithParam<const char*> {
     }
   }
   void SetUp() override {
-#if defined(__SANITIZE_THREAD__)
-    GTEST_SKIP() << "ThreadSanitizer has a thread in every child, which keeps it in its namespaces";
-#endif
+    if (kHasThreadSanitizer)
+      GTEST_SKIP()
+          << "ThreadSanitizer has a thread in every child, which keeps it in its namespaces";
     if ((::getuid() == 0) != (GetParam() == std::string("root")) && ::getuid() != 0)
       GTEST_SKIP() << "only root can be root";
   }

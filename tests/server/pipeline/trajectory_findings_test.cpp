@@ -1,0 +1,107 @@
+#include "server/pipeline/trajectory_findings.h"
+
+#include <gtest/gtest.h>
+
+namespace parkade {
+namespace {
+
+/// Cameras whose clocks are off by these [s].
+OdometryReport ReportWith(const std::vector<double>& offsets) {
+  OdometryReport report;
+  for (const double offset : offsets)
+    report.calibration.push_back(
+        {"cam",
+         {{"time_offset", Eigen::VectorXd::Constant(1, offset), Eigen::VectorXd::Constant(1, 1e-3),
+           CalibratedQuantity::Status::kRefined}}});
+  return report;
+}
+
+TEST(TrajectoryFindings, CamerasThatAreOffByTheSameShowADelayOfTheImu) {
+  const std::vector<Finding> findings = TrajectoryFindings(ReportWith({0.041, 0.038, 0.040}), "");
+
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].name, "imu_delay");
+  EXPECT_EQ(findings[0].severity, Severity::kNote);
+  EXPECT_NEAR(findings[0].evidence.at("delay_s"), 0.0395, 1e-9);
+  EXPECT_EQ(ToText(findings[0]),
+            "the IMU's readings come 40 ms late against all cameras, as behind a low-pass filter, "
+            "and are used so: correct its driver's stamps, or timeshift_cam_imu of all cameras");
+}
+
+TEST(TrajectoryFindings, CamerasThatDifferOrAreOneOrHardlyOffShowNone) {
+  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.041, 0.002}), "").empty());
+  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.040}), "").empty());
+  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.006, 0.006}), "").empty());
+  OdometryReport kept = ReportWith({0.04, 0.04});
+  kept.calibration[1].quantities[0].status = CalibratedQuantity::Status::kKept;
+  EXPECT_TRUE(TrajectoryFindings(kept, "").empty());
+}
+
+TEST(TrajectoryFindings, WhatIsLeftOutIsSaid) {
+  OdometryReport report;
+  report.wheels_left_out = "are in km/h";
+
+  const std::vector<Finding> findings = TrajectoryFindings(report, "jump by 30 m");
+
+  ASSERT_EQ(findings.size(), 2u);
+  EXPECT_EQ(findings[0].sentence, "the wheels are left out: they are in km/h");
+  EXPECT_EQ(findings[1].sentence, "GNSS is left out: its fixes jump by 30 m");
+}
+
+CameraHealth SeenWith(const std::string& name, double noise_scale) {
+  CameraHealth camera;
+  camera.name = name;
+  camera.frames = 100;
+  camera.noise_scale = noise_scale;
+  return camera;
+}
+
+TEST(TrajectoryFindings, CamerasThatDoNotFitThePathAreNamed) {
+  OdometryReport report;
+  report.cameras = {SeenWith("cam0", 0.3), SeenWith("cam1", 2.5), SeenWith("cam2", 0.6)};
+
+  const std::vector<Finding> one = TrajectoryFindings(report, "");
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0].name, "cameras_contradict_path");
+  EXPECT_NE(one[0].sentence.find("what cam1 sees does not move"), std::string::npos);
+
+  report.cameras[0].noise_scale = 4;
+  const std::vector<Finding> most = TrajectoryFindings(report, "");
+  ASSERT_EQ(most.size(), 1u);
+  EXPECT_NE(most[0].sentence.find("cam0 and cam1 see fits no path"), std::string::npos)
+      << most[0].sentence;
+}
+
+TEST(TrajectoryFindings, LongPartsWithoutImagesAreSaid) {
+  const Timestamp begin{1'700'000'000'000'000'000};
+  const std::string blind = std::string(kNoCamera) + "; the IMU alone carries on";
+  OdometryReport report;
+  report.degraded = {{begin, begin + 0.1, blind}, {begin + 9.0, begin + 12.0, "the wheels"}};
+  EXPECT_TRUE(TrajectoryFindings(report, "").empty());
+
+  report.degraded.push_back({begin + 20.0, begin + 23.5, blind});
+  const std::vector<Finding> findings = TrajectoryFindings(report, "");
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].sentence,
+            "no camera sees anything for 3.5 s: the IMU alone tells the path there");
+}
+
+TEST(TrajectoryFindings, MountsThatAreFarOffAreSaid) {
+  const auto mount = [](double degrees, CalibratedQuantity::Status status) {
+    return CameraCalibration{"cam1",
+                             {{"rotation", Eigen::Vector3d(0, degrees * M_PI / 180, 0),
+                               Eigen::Vector3d::Constant(0.002), status}}};
+  };
+  using Status = CalibratedQuantity::Status;
+  OdometryReport report;
+  report.calibration = {mount(2, Status::kRefined), mount(12, Status::kKept)};
+  EXPECT_TRUE(TrajectoryFindings(report, "").empty());
+
+  report.calibration = {mount(12, Status::kPartlyRefined)};
+  const std::vector<Finding> findings = TrajectoryFindings(report, "");
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_NE(findings[0].sentence.find("cam1 looks 12 degrees beside"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace parkade
