@@ -10,6 +10,7 @@
 #include "slam/odometry/calibrated_log.h"
 #include "slam/odometry/odometry_result.h"
 #include "slam/places/rig_keyframe.h"
+#include "slam/refinement/sensor_agreement.h"
 #include "slam/sessions/keyframe_store.h"
 
 namespace parkade {
@@ -19,6 +20,7 @@ struct DriveInWork {
   const RecordedDrive* log = nullptr;
   size_t index = 0;  ///< of the log among those given
   Keyed<OdometryResult> odometry;
+  SensorAgreement agreement;
   bool is_odometry_taken = false;  ///< from the map that the build starts from
   LoopReview review;               ///< decisions that hold, of this build and of those before
   Keyed<LoopClosure> loops;

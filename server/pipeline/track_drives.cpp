@@ -19,6 +19,7 @@ DriveInWork TrackDrive(const RecordedDrive& log, const BuildContext& context,
     StoreOdometry(drive.odometry.value, std::nullopt, log, context);
   }
   drive.odometry.key = KeyOfOdometry(context.scope, log);
+  drive.agreement = MeasureSensorAgreement(drive.odometry.value);
   return drive;
 }
 

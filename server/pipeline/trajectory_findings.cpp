@@ -7,6 +7,8 @@
 namespace parkade {
 namespace {
 
+constexpr double kSure = 5;  // sigmas
+
 /// Two cameras or more that are off against the IMU by the same time say that the IMU is.
 std::optional<Finding> ImuDelay(const std::vector<CameraCalibration>& cameras) {
   constexpr double kMinDelay = 0.01;   // [s] beyond what cables and drivers make of a camera
@@ -14,7 +16,8 @@ std::optional<Finding> ImuDelay(const std::vector<CameraCalibration>& cameras) {
   std::vector<double> offsets;
   for (const CameraCalibration& camera : cameras)
     for (const CalibratedQuantity& quantity : camera.quantities)
-      if (quantity.name == "time_offset" && quantity.status == CalibratedQuantity::Status::kRefined)
+      if (quantity.name == "time_offset" && quantity.status != CalibratedQuantity::Status::kKept &&
+          std::abs(quantity.change[0]) > kSure * quantity.sigma[0])
         offsets.push_back(quantity.change[0]);
   if (offsets.size() < 2 || offsets.size() < cameras.size()) return std::nullopt;
   const auto [least, most] = std::minmax_element(offsets.begin(), offsets.end());
@@ -78,12 +81,12 @@ std::optional<Finding> BlindParts(const OdometryReport& odometry) {
 
 /// A mount of the rig that the drive shows to be another.
 std::optional<Finding> WrongMount(const CameraCalibration& camera) {
-  constexpr double kLargest = 5, kSigmas = 5;  // [deg]
+  constexpr double kLargest = 5;  // [deg]
   constexpr double kDegree = 0.017453292519943295;
   for (const CalibratedQuantity& quantity : camera.quantities) {
     const double angle = quantity.change.norm();
     if (quantity.name != "rotation" || quantity.status == CalibratedQuantity::Status::kKept ||
-        angle < std::max(kLargest * kDegree, kSigmas * quantity.sigma.minCoeff()))
+        angle < std::max(kLargest * kDegree, kSure * quantity.sigma.minCoeff()))
       continue;
     return WarningOf("mount_off",
                      "camera " + camera.name +
@@ -95,9 +98,52 @@ std::optional<Finding> WrongMount(const CameraCalibration& camera) {
   return std::nullopt;
 }
 
+/// Turns that a gyroscope reads and cameras do not see.
+std::optional<Finding> WrongTurns(const SensorAgreement& agreement) {
+  constexpr double kSmallestGain = 0.01, kSmallestDelay = 0.03;  // share, [s]
+  const double gain = agreement.turn_gain, delay = agreement.turn_delay;
+  if (std::abs(gain) > std::max(kSmallestGain, kSure * agreement.turn_gain_sigma))
+    return WarningOf(
+        "turns_contradict",
+        FormatText("the gyroscope reads turns %.1f %% %s than the cameras see (to %.1f %%): "
+                   "the map may be bent",
+                   100 * std::abs(gain), gain > 0 ? "larger" : "smaller",
+                   100 * agreement.turn_gain_sigma),
+        "check gyroscope_scale in imu0.yaml, and the focal lengths of the lenses",
+        {{"gain", gain}, {"gain_sigma", agreement.turn_gain_sigma}});
+  if (std::abs(delay) > std::max(kSmallestDelay, kSure * agreement.turn_delay_sigma))
+    return WarningOf(
+        "turns_late",
+        FormatText("the gyroscope's rates come %.0f ms %s", 1000 * std::abs(delay),
+                   delay > 0 ? "behind what the cameras see, as after a low-pass filter"
+                             : "before what the cameras see"),
+        "turn filters of the IMU off, and check its stamps",
+        {{kDelay, delay}, {"delay_sigma_s", agreement.turn_delay_sigma}});
+  return std::nullopt;
+}
+
+/// A camera that sits elsewhere than the rig says: the one that is off the most.
+std::optional<Finding> WrongPlace(const SensorAgreement& agreement) {
+  constexpr double kSmallest = 0.25;  // [m]
+  const CameraLead* most = nullptr;
+  for (const CameraLead& lead : agreement.leads)
+    if (std::abs(lead.ahead) > std::max(kSmallest, kSure * lead.sigma) &&
+        (!most || std::abs(lead.ahead) > std::abs(most->ahead)))
+      most = &lead;
+  if (!most) return std::nullopt;
+  return WarningOf("place_off",
+                   "camera " + most->camera +
+                       FormatText(" sits %.1f m farther %s in the car than the rig says, as it "
+                                  "seems by its way in turns: the map may be wrong",
+                                  std::abs(most->ahead), most->ahead > 0 ? "ahead" : "back"),
+                   "measure the places of all cameras again",
+                   {{"ahead_m", most->ahead}, {"ahead_sigma_m", most->sigma}});
+}
+
 }  // namespace
 
 std::vector<Finding> TrajectoryFindings(const OdometryReport& odometry,
+                                        const SensorAgreement& agreement,
                                         const std::string& gnss_doubt) {
   constexpr double kManyImages = 0.2;  // share of a camera's
   std::vector<Finding> findings;
@@ -131,6 +177,9 @@ std::vector<Finding> TrajectoryFindings(const OdometryReport& odometry,
   add(Contradiction(odometry.cameras));
   add(BlindParts(odometry));
   for (const CameraCalibration& camera : odometry.calibration) add(WrongMount(camera));
+  // By wrong turns cameras seem to be elsewhere, too.
+  const std::optional<Finding> turns = WrongTurns(agreement);
+  add(turns ? turns : WrongPlace(agreement));
   add(ImuDelay(odometry.calibration));
   return findings;
 }

@@ -229,6 +229,24 @@ int CameraChecks::NumMovingAtRest(const SpeedHistory& wheels) const {
   }));
 }
 
+std::vector<Finding> CameraChecks::CheckNoise(const std::vector<std::string>& topics) const {
+  constexpr double kMuch = 16;  // [gray levels]; cameras at night have 4 to 8
+  std::vector<Finding> findings;
+  for (size_t camera = 0; camera < topics.size(); ++camera) {
+    const double noise = pairs_[camera].Noise();
+    if (noise < kMuch) continue;
+    findings.push_back({"images_noisy",
+                        Severity::kWarning,
+                        topics[camera],
+                        "the images of camera " + rig_.cameras[camera].name +
+                            FormatText(" have noise of %.0f gray levels", noise) +
+                            ", in which points cannot be followed exactly",
+                        "use a longer exposure, or a higher quality where images are compressed",
+                        {{"noise_gray_levels", noise}}});
+  }
+  return findings;
+}
+
 CameraChecks::Verdicts CameraChecks::VerdictsBy(const GyroscopeHistory& gyroscope,
                                                 const SpeedHistory& wheels) const {
   const MotionJudge judge(*this, gyroscope, wheels);

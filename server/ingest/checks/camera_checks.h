@@ -46,6 +46,9 @@ class CameraChecks {
   /// Moments in which wheels say that the car stands, and in most cameras most points move.
   int NumMovingAtRest(const SpeedHistory& wheels) const;
 
+  /// That images of cameras are so noisy that hardly anything can be followed exactly.
+  std::vector<Finding> CheckNoise(const std::vector<std::string>& topics) const;
+
   /// \param topics  of the cameras, by their indices
   /// \param wheels  or what stands for them
   std::vector<Finding> Findings(const SpeedHistory& wheels, const std::vector<std::string>& topics,

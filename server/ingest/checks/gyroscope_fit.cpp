@@ -105,11 +105,12 @@ std::vector<PairEquations> AllEquations(const Rig& rig, const std::vector<const 
   return all;
 }
 
-/// What the gyroscope reads [rad/s] while images show that the car stands; nothing where they never
-/// do, or where it turns meanwhile: then images are repeated.
+/// What the gyroscope reads [rad/s] while images show that the car stands; nothing where they
+/// hardly ever do, or where it turns meanwhile: then images are repeated.
 std::optional<Eigen::Vector3d> RateAtRest(const std::vector<const ImagePairs*>& pairs,
                                           const GyroscopeHistory& gyroscope) {
-  constexpr double kSteady = 0.02;  // [rad/s], of the rates' deviations
+  constexpr double kSteady = 0.02;      // [rad/s], of the rates' deviations
+  constexpr std::size_t kMinStill = 3;  // pairs; one image may be repeated
   std::vector<Eigen::Vector3d> rates;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const ImagePairs* of_camera : pairs) {
@@ -122,7 +123,7 @@ std::optional<Eigen::Vector3d> RateAtRest(const std::vector<const ImagePairs*>& 
       sum += rates.back();
     }
   }
-  if (rates.empty()) return std::nullopt;
+  if (rates.size() < kMinStill) return std::nullopt;
   const Eigen::Vector3d mean = sum / static_cast<double>(rates.size());
   const bool is_steady = std::all_of(rates.begin(), rates.end(), [&](const Eigen::Vector3d& rate) {
     return (rate - mean).norm() < kSteady;

@@ -4,6 +4,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "core/statistics.h"
+#include "server/ingest/checks/image_noise.h"
 
 namespace parkade {
 namespace {
@@ -18,6 +19,7 @@ ImagePair Track(const RigCamera& camera, Timestamp first, const cv::Mat& from, T
   ImagePair pair;
   pair.first = first;
   pair.second = second;
+  pair.noise = ImageNoise(from);
   std::vector<cv::Point2f> corners, tracked, returned;
   cv::goodFeaturesToTrack(from, corners, kMaxCorners, 0.02, from.cols / 24.0, camera.mask);
   pair.num_corners = corners.size();
@@ -68,6 +70,14 @@ void ImagePairs::Include(Timestamp time, const cv::Mat& image) {
   }
   first_ = time;
   first_image_ = image.clone();
+}
+
+double ImagePairs::Noise() const {
+  if (pairs_.empty()) return 0;
+  std::vector<double> noises;
+  noises.reserve(pairs_.size());
+  for (const ImagePair& pair : pairs_) noises.push_back(pair.noise);
+  return Median(std::move(noises));
 }
 
 void ImagePairs::Thin() {

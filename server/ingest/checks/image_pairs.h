@@ -15,6 +15,7 @@ struct ImagePair {
   Timestamp first, second;
   std::vector<Eigen::Vector2d> from, to;  ///< [px]
   std::size_t num_corners = 0;            ///< that were looked for in the second
+  double noise = 0;                       ///< [gray levels] of the first
 
   /// Whether hardly any point moved: the camera stands, or the image is repeated.
   bool IsStill() const;
@@ -33,6 +34,8 @@ class ImagePairs {
   void Include(Timestamp time, const cv::Mat& image);
 
   const std::vector<ImagePair>& pairs() const { return pairs_; }
+  /// [gray levels] in the middle of all pairs; 0 where there are none.
+  double Noise() const;
 
  private:
   void Thin();

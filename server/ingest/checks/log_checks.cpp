@@ -107,6 +107,8 @@ std::vector<Finding> LogChecks::Findings(const CheckedTopics& topics) const {
   // Cameras are held against IMU and wheels, which must not be wrong themselves.
   if (findings.empty()) findings = cameras_.Findings(speeds, topics.cameras, topics.imu);
   CheckWheels(topics.wheels, findings);
+  for (Finding& finding : cameras_.CheckNoise(topics.cameras))
+    findings.push_back(std::move(finding));
   if (const auto found = CheckNoises(rig_.imu, topics.imu)) findings.push_back(*found);
   return findings;
 }

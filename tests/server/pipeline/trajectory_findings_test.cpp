@@ -17,7 +17,8 @@ OdometryReport ReportWith(const std::vector<double>& offsets) {
 }
 
 TEST(TrajectoryFindings, CamerasThatAreOffByTheSameShowADelayOfTheImu) {
-  const std::vector<Finding> findings = TrajectoryFindings(ReportWith({0.041, 0.038, 0.040}), "");
+  const std::vector<Finding> findings =
+      TrajectoryFindings(ReportWith({0.041, 0.038, 0.040}), {}, "");
 
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].name, "imu_delay");
@@ -29,19 +30,19 @@ TEST(TrajectoryFindings, CamerasThatAreOffByTheSameShowADelayOfTheImu) {
 }
 
 TEST(TrajectoryFindings, CamerasThatDifferOrAreOneOrHardlyOffShowNone) {
-  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.041, 0.002}), "").empty());
-  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.040}), "").empty());
-  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.006, 0.006}), "").empty());
+  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.041, 0.002}), {}, "").empty());
+  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.040}), {}, "").empty());
+  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.006, 0.006}), {}, "").empty());
   OdometryReport kept = ReportWith({0.04, 0.04});
   kept.calibration[1].quantities[0].status = CalibratedQuantity::Status::kKept;
-  EXPECT_TRUE(TrajectoryFindings(kept, "").empty());
+  EXPECT_TRUE(TrajectoryFindings(kept, {}, "").empty());
 }
 
 TEST(TrajectoryFindings, WhatIsLeftOutIsSaid) {
   OdometryReport report;
   report.wheels_left_out = "are in km/h";
 
-  const std::vector<Finding> findings = TrajectoryFindings(report, "jump by 30 m");
+  const std::vector<Finding> findings = TrajectoryFindings(report, {}, "jump by 30 m");
 
   ASSERT_EQ(findings.size(), 2u);
   EXPECT_EQ(findings[0].sentence, "the wheels are left out: they are in km/h");
@@ -60,13 +61,13 @@ TEST(TrajectoryFindings, CamerasThatDoNotFitThePathAreNamed) {
   OdometryReport report;
   report.cameras = {SeenWith("cam0", 0.3), SeenWith("cam1", 2.5), SeenWith("cam2", 0.6)};
 
-  const std::vector<Finding> one = TrajectoryFindings(report, "");
+  const std::vector<Finding> one = TrajectoryFindings(report, {}, "");
   ASSERT_EQ(one.size(), 1u);
   EXPECT_EQ(one[0].name, "cameras_contradict_path");
   EXPECT_NE(one[0].sentence.find("what cam1 sees does not move"), std::string::npos);
 
   report.cameras[0].noise_scale = 4;
-  const std::vector<Finding> most = TrajectoryFindings(report, "");
+  const std::vector<Finding> most = TrajectoryFindings(report, {}, "");
   ASSERT_EQ(most.size(), 1u);
   EXPECT_NE(most[0].sentence.find("cam0 and cam1 see fits no path"), std::string::npos)
       << most[0].sentence;
@@ -77,10 +78,10 @@ TEST(TrajectoryFindings, LongPartsWithoutImagesAreSaid) {
   const std::string blind = std::string(kNoCamera) + "; the IMU alone carries on";
   OdometryReport report;
   report.degraded = {{begin, begin + 0.1, blind}, {begin + 9.0, begin + 12.0, "the wheels"}};
-  EXPECT_TRUE(TrajectoryFindings(report, "").empty());
+  EXPECT_TRUE(TrajectoryFindings(report, {}, "").empty());
 
   report.degraded.push_back({begin + 20.0, begin + 23.5, blind});
-  const std::vector<Finding> findings = TrajectoryFindings(report, "");
+  const std::vector<Finding> findings = TrajectoryFindings(report, {}, "");
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].sentence,
             "no camera sees anything for 3.5 s: the IMU alone tells the path there");
@@ -95,12 +96,50 @@ TEST(TrajectoryFindings, MountsThatAreFarOffAreSaid) {
   using Status = CalibratedQuantity::Status;
   OdometryReport report;
   report.calibration = {mount(2, Status::kRefined), mount(12, Status::kKept)};
-  EXPECT_TRUE(TrajectoryFindings(report, "").empty());
+  EXPECT_TRUE(TrajectoryFindings(report, {}, "").empty());
 
   report.calibration = {mount(12, Status::kPartlyRefined)};
-  const std::vector<Finding> findings = TrajectoryFindings(report, "");
+  const std::vector<Finding> findings = TrajectoryFindings(report, {}, "");
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_NE(findings[0].sentence.find("cam1 looks 12 degrees beside"), std::string::npos);
+}
+
+TEST(TrajectoryFindings, TurnsThatCamerasDoNotSeeAreSaid) {
+  const auto findings_of = [](double gain, double delay) {
+    return TrajectoryFindings({},
+                              {.turn_gain = gain,
+                               .turn_gain_sigma = 0.002,
+                               .turn_delay = delay,
+                               .turn_delay_sigma = 0.004,
+                               .leads = {{"cam0", 0.6, 0.1}}},
+                              "");
+  };
+  const std::vector<Finding> gain = findings_of(-0.03, 0.05);
+  ASSERT_EQ(gain.size(), 1u);
+  EXPECT_EQ(
+      ToText(gain[0]),
+      "the gyroscope reads turns 3.0 % smaller than the cameras see (to 0.2 %): the map may be "
+      "bent: check gyroscope_scale in imu0.yaml, and the focal lengths of the lenses");
+  const std::vector<Finding> delay = findings_of(0.009, 0.05);
+  ASSERT_EQ(delay.size(), 1u);
+  EXPECT_EQ(ToText(delay[0]),
+            "the gyroscope's rates come 50 ms behind what the cameras see, as after a low-pass "
+            "filter: turn filters of the IMU off, and check its stamps");
+  const std::vector<Finding> place = findings_of(0.009, 0.02);
+  ASSERT_EQ(place.size(), 1u);
+  EXPECT_EQ(place[0].name, "place_off");
+}
+
+TEST(TrajectoryFindings, TheCameraThatIsOffTheMostIsNamed) {
+  const auto findings_of = [](const std::vector<CameraLead>& leads) {
+    return TrajectoryFindings({}, {.leads = leads}, "");
+  };
+  EXPECT_TRUE(findings_of({{"cam0", 0.2, 0.01}, {"cam1", 0.8, 0.3}}).empty());
+  const std::vector<Finding> findings =
+      findings_of({{"cam0", 0.4, 0.05}, {"cam1", -0.6, 0.05}, {"cam2", 0.1, 0.05}});
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_NE(findings[0].sentence.find("camera cam1 sits 0.6 m farther back"), std::string::npos)
+      << findings[0].sentence;
 }
 
 }  // namespace
