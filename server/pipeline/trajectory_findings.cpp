@@ -98,6 +98,19 @@ std::optional<Finding> WrongMount(const CameraCalibration& camera) {
   return std::nullopt;
 }
 
+/// An accelerometer that is so far off that without wheels nobody can tell whether it is by its
+/// zero, which is used, or by its scale, which then is also that of the path.
+std::optional<Finding> WrongForces(const OdometryReport& odometry) {
+  constexpr double kLargest = 0.3, kGravity = 9.81;  // [m/s^2]
+  const double bias = odometry.accelerometer_bias.norm();
+  if (odometry.has_wheels || bias < kLargest) return std::nullopt;
+  return WarningOf("accelerometer_off",
+                   FormatText("the IMU's accelerations are off by %.2g m/s2: if it is a matter of "
+                              "their scale, the path's is off by %.1f %%",
+                              bias, 100 * bias / kGravity),
+                   "calibrate the accelerometer, or record wheels", {{"bias_m_s2", bias}});
+}
+
 /// Turns that a gyroscope reads and cameras do not see.
 std::optional<Finding> WrongTurns(const SensorAgreement& agreement) {
   constexpr double kSmallestGain = 0.01, kSmallestDelay = 0.03;  // share, [s]
@@ -177,6 +190,7 @@ std::vector<Finding> TrajectoryFindings(const OdometryReport& odometry,
   add(Contradiction(odometry.cameras));
   add(BlindParts(odometry));
   for (const CameraCalibration& camera : odometry.calibration) add(WrongMount(camera));
+  add(WrongForces(odometry));
   // By wrong turns cameras seem to be elsewhere, too.
   const std::optional<Finding> turns = WrongTurns(agreement);
   add(turns ? turns : WrongPlace(agreement));

@@ -139,7 +139,7 @@ bool ImuReadings::IsSaturated(const Axis& axis, bool is_rate) const {
 }
 
 std::optional<Finding> ImuReadings::CheckSteps() const {
-  constexpr double kSlow = 8;         // [Hz]
+  constexpr double kSlow = 16;        // [Hz]
   constexpr double kInPackets = 0.2;  // of the mean step, which most do not reach
   if (first_steps_.size() < 20) return std::nullopt;
   double sum = 0;

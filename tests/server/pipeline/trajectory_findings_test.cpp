@@ -104,6 +104,21 @@ TEST(TrajectoryFindings, MountsThatAreFarOffAreSaid) {
   EXPECT_NE(findings[0].sentence.find("cam1 looks 12 degrees beside"), std::string::npos);
 }
 
+TEST(TrajectoryFindings, AnAccelerometerThatIsFarOffIsSaidWhereNoWheelsTellTheScale) {
+  OdometryReport report;
+  report.accelerometer_bias = {0.1, -0.1, 0.15};
+  EXPECT_TRUE(TrajectoryFindings(report, {}, "").empty());
+
+  report.accelerometer_bias.z() = 0.36;
+  const std::vector<Finding> findings = TrajectoryFindings(report, {}, "");
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].sentence,
+            "the IMU's accelerations are off by 0.39 m/s2: if it is a matter of their scale, the "
+            "path's is off by 3.9 %");
+  report.has_wheels = true;
+  EXPECT_TRUE(TrajectoryFindings(report, {}, "").empty());
+}
+
 TEST(TrajectoryFindings, TurnsThatCamerasDoNotSeeAreSaid) {
   const auto findings_of = [](double gain, double delay) {
     return TrajectoryFindings({},
