@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <optional>
 #include <unordered_map>
 
 #include "slam/factors/sample_buffer.h"
@@ -237,7 +237,8 @@ class Comparison {
   std::vector<std::vector<Row<2>>> of_camera_;  ///< lead, angle of the mount
 };
 
-/// The stretches of the drive in which the car turns most.
+/// The stretches of the drive in which the car turns most. They overlap by half, so that sigmas may
+/// be a third too small.
 std::vector<Timestamp> StretchesWithTurns(const Trajectory& odom_from_body) {
   struct Stretch {
     Timestamp begin;

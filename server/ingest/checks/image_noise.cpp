@@ -10,8 +10,9 @@ namespace parkade {
 double ImageNoise(const cv::Mat& image) {
   constexpr int kSquare = 16;                      // [px]
   constexpr float kDarkest = 30, kLightest = 225;  // beyond, noise is cut off
+  constexpr int kMinSquares = 40;
   const cv::Size squares(image.cols / kSquare, image.rows / kSquare);
-  if (squares.empty()) return 0;
+  if (squares.area() < kMinSquares) return 0;
   const cv::Mat part = image(cv::Rect({}, squares * kSquare));
   // The difference of two Laplacians: blind to slopes and curvature, it sums 36 variances.
   const cv::Matx33f kernel(1, -2, 1, -2, 4, -2, 1, -2, 1);

@@ -139,7 +139,8 @@ bool ImuReadings::IsSaturated(const Axis& axis, bool is_rate) const {
 }
 
 std::optional<Finding> ImuReadings::CheckSteps() const {
-  constexpr double kSlow = 16;        // [Hz]
+  constexpr double kSlow = 8;         // [Hz]
+  constexpr double kFew = 16;         // [Hz]
   constexpr double kInPackets = 0.2;  // of the mean step, which most do not reach
   if (first_steps_.size() < 20) return std::nullopt;
   double sum = 0;
@@ -151,6 +152,13 @@ std::optional<Finding> ImuReadings::CheckSteps() const {
         "imu_slow",
         FormatText("is read %.1f times a second only: the path between is a guess", 1 / mean),
         "record 100 samples a second or more", {{"rate_hz", 1 / mean}});
+  if (mean > 1 / kFew)
+    return Finding{"imu_slow",
+                   Severity::kNote,
+                   "",
+                   FormatText("is read %.1f times a second: without wheels, that is few", 1 / mean),
+                   "record 100 samples a second or more",
+                   {{"rate_hz", 1 / mean}}};
   if (median < kInPackets * mean)
     return WarningOf("imu_in_packets",
                      FormatText("comes in packets whose samples have nearly one stamp: most follow "

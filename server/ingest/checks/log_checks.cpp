@@ -105,7 +105,12 @@ std::vector<Finding> LogChecks::Findings(const CheckedTopics& topics) const {
   const auto gnss = CheckGnss(topics.gnss);
   if (gnss) findings.push_back(*gnss);
   // Cameras are held against IMU and wheels, which must not be wrong themselves.
-  if (findings.empty()) findings = cameras_.Findings(speeds, topics.cameras, topics.imu);
+  const bool is_sound = std::all_of(findings.begin(), findings.end(), [](const Finding& finding) {
+    return finding.severity == Severity::kNote;
+  });
+  if (is_sound)
+    for (Finding& finding : cameras_.Findings(speeds, topics.cameras, topics.imu))
+      findings.push_back(std::move(finding));
   CheckWheels(topics.wheels, findings);
   for (Finding& finding : cameras_.CheckNoise(topics.cameras))
     findings.push_back(std::move(finding));

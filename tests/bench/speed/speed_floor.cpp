@@ -62,7 +62,7 @@ std::vector<Sequence> ReadSample(const DriveLog& log, int sample) {
     return static_cast<size_t>(camera) * kPieces + piece;
   };
   ReadOptions read;
-  read.imu = read.wheels = read.gnss = false;
+  read.imu = read.wheels = read.gnss = read.grayscale = false;  // colored JPEGs cost more to decode
   read.wants_image = [&](int camera, Timestamp time) {
     return asked[sequence_of(camera, time)]++ < wanted;
   };
