@@ -44,7 +44,7 @@ std::optional<Finding> Contradiction(const std::vector<CameraHealth>& cameras) {
   std::vector<std::string> names;
   double largest = 0;
   for (const CameraHealth& camera : cameras) {
-    if (camera.noise_scale < kLargestNoise) continue;
+    if (camera.frames_used == 0 || camera.noise_scale < kLargestNoise) continue;
     names.push_back(camera.name);
     largest = std::max(largest, camera.noise_scale);
   }

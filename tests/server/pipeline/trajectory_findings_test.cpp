@@ -52,7 +52,7 @@ TEST(TrajectoryFindings, WhatIsLeftOutIsSaid) {
 CameraHealth SeenWith(const std::string& name, double noise_scale) {
   CameraHealth camera;
   camera.name = name;
-  camera.frames = 100;
+  camera.frames = camera.frames_used = 100;
   camera.noise_scale = noise_scale;
   return camera;
 }
@@ -66,6 +66,10 @@ TEST(TrajectoryFindings, CamerasThatDoNotFitThePathAreNamed) {
   EXPECT_EQ(one[0].name, "cameras_contradict_path");
   EXPECT_NE(one[0].sentence.find("what cam1 sees does not move"), std::string::npos);
 
+  report.cameras[1].frames_used = 0;
+  EXPECT_TRUE(TrajectoryFindings(report, {}, "").empty()) << "it was left out";
+
+  report.cameras[1].frames_used = 100;
   report.cameras[0].noise_scale = 4;
   const std::vector<Finding> most = TrajectoryFindings(report, {}, "");
   ASSERT_EQ(most.size(), 1u);
