@@ -260,6 +260,9 @@ std::optional<Finding> ImuChecks::CheckHeading(const SpeedHistory& wheels) const
     return std::nullopt;
   const std::map<std::string, double> evidence = {{"angle_deg", angle},
                                                   {"correlation", correlation}};
+  const std::optional<double> ratio = YawRatio(wheels);
+  // Cameras that tell of no turns, where the IMU tells of them, do not tell of speeds either.
+  if (!ratio && wheels.sigma() > 0) return std::nullopt;
   if (std::abs(angle) < 135)
     return UnusableOf(
         "imu_mounting",
@@ -269,7 +272,6 @@ std::optional<Finding> ImuChecks::CheckHeading(const SpeedHistory& wheels) const
             std::round(angle)),
         "correct T_imu_body in vehicle.yaml, or the order of the driver's axes", evidence);
   // Reversed speeds of the wheels look the same, but for the turns that they report.
-  const std::optional<double> ratio = YawRatio(wheels);
   if (!ratio || *ratio > -0.3) return std::nullopt;
   return UnusableOf("imu_left_handed",
                     "turns the other way than " + wheels.source() +
