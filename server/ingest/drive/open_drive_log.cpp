@@ -7,6 +7,7 @@
 #include "server/ingest/drive/clock_plan.h"
 #include "server/ingest/drive/file_drive.h"
 #include "server/ingest/drive/folder_rig.h"
+#include "server/ingest/drive/head_source.h"
 #include "server/ingest/drive/log_survey.h"
 #include "server/ingest/drive/recorded_drive_parts.h"
 #include "server/ingest/drive/rig_discovery.h"
@@ -149,9 +150,28 @@ std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
   return drives;
 }
 
+namespace {
+
+/// Throws UnusableLog where the beginning of a log shows that all of it is.
+void RefuseByBeginning(const std::shared_ptr<const MessageSource>& source, const fs::path& name,
+                       OpenLogOptions options) {
+  options.warn = false;
+  try {
+    OpenDriveParts(HeadOf(source, {}), name, options);
+  } catch (const UnusableLog& error) {
+    if (std::any_of(error.findings().begin(), error.findings().end(), IsLasting)) throw;
+  } catch (const Error&) {
+    // The rest may hold what the beginning lacks.
+  }
+}
+
+}  // namespace
+
 std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(const fs::path& log,
                                                           const OpenLogOptions& options) {
-  return OpenDriveLogs(OpenTranslatedLog(log, options.scratch_folder), log, options);
+  const auto source = OpenTranslatedLog(log, options.scratch_folder);
+  if (SizeOfLog(log) >= options.large_log) RefuseByBeginning(source, log, options);
+  return OpenDriveLogs(source, log, options);
 }
 
 std::unique_ptr<RecordedDrive> OpenDriveLog(const fs::path& log, const OpenLogOptions& options) {

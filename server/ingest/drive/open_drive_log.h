@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/ingest/containers/raw_message.h"
+#include "server/ingest/drive/first_look.h"
 #include "server/ingest/drive/recorded_drive.h"
 
 namespace parkade {
@@ -22,15 +23,16 @@ struct OpenLogOptions {
   std::filesystem::path
       scratch_folder{};  ///< where archives are unpacked; empty: the system's temporary folder
   bool warn = true;      ///< log the warnings that health() holds as well
+  std::uint64_t large_log = kLargeLog;  ///< of logs of this size, the beginning may decide [byte]
   int num_decode_threads = 0;  ///< per pass; 0: one less than core/parallel uses, between 1 and 4
 };
 
 /// Opens the drives of a log: one, or several where its clocks leap or it pauses: what lies between
 /// two leaps is a drive of its own. The longest comes first and has the log's name, others that
-/// with
-/// "_part2", "_part3" by time behind it.
+/// with "_part2", "_part3" by time behind it.
 ///
-/// Throws as OpenDriveLog.
+/// Throws as OpenDriveLog; of a large log before it is read whole, where its beginning shows that
+/// it is unusable.
 std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(const std::filesystem::path& log,
                                                           const OpenLogOptions& options = {});
 

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <functional>
-#include <set>
 
 #include "core/error.h"
-#include "server/ingest/checks/imu_checks.h"
+#include "server/ingest/drive/first_look.h"
+#include "server/ingest/drive/head_source.h"
 #include "server/ingest/drive/open_drive_log.h"
-#include "server/ingest/inspection/head_source.h"
 #include "server/ingest/inspection/inspect_topics.h"
 #include "server/ingest/messages/message_decoding.h"
 #include "server/ingest/schemas/mapped_source.h"
@@ -77,20 +76,6 @@ LogState StateOf(const LogInspection& inspection) {
   return is_clean ? LogState::kClean : LogState::kLossy;
 }
 
-/// What the beginning of a log tells of all of it: units and mounting do not change on the way.
-/// Rates of a car at rest may be zero.
-bool IsLasting(const Finding& finding) {
-  static const std::set<std::string> lasting = {
-      "imu_axes",           "imu_axis_dead", "imu_in_cm",       "imu_in_g",
-      "imu_in_halves",      "imu_in_mg",     "imu_mounting",    "gyroscope_scale",
-      "imu_in_degrees",     "imu_scale",     "imu_upside_down", "imu_without_accelerations",
-      "imu_without_gravity"};
-  constexpr double kMinWay = 10;  // [m]
-  if (finding.severity != Severity::kUnusable) return false;
-  return lasting.contains(finding.name) ||
-         (finding.name == kImuWithoutRates && finding.evidence.at(kWay) > kMinWay);
-}
-
 /// Whether a log has no topic of a type, or no message by its index.
 bool LacksType(const MessageSource& source,
                const std::function<bool(const std::string&)>& is_type) {
@@ -131,15 +116,6 @@ bool IsHopeless(const std::shared_ptr<const MessageSource>& source, const fs::pa
   return is_hopeless;
 }
 
-std::uint64_t SizeOf(const fs::path& log) {
-  if (!fs::is_directory(log)) return fs::file_size(log);
-  std::uint64_t size = 0;
-  for (const auto& entry :
-       fs::recursive_directory_iterator(log, fs::directory_options::skip_permission_denied))
-    if (entry.is_regular_file()) size += entry.file_size();
-  return size;
-}
-
 }  // namespace
 
 LogInspection InspectLog(const fs::path& log, const fs::path& rig_folder,
@@ -148,7 +124,7 @@ LogInspection InspectLog(const fs::path& log, const fs::path& rig_folder,
   LogInspection inspection;
   inspection.name = log.filename().string();
   inspection.format = source->format();
-  inspection.num_bytes = SizeOf(log);
+  inspection.num_bytes = SizeOfLog(log);
   const bool is_large = inspection.num_bytes >= large_log;
   if (is_large) {
     LogInspection beginning = inspection;

@@ -5,12 +5,10 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "server/ingest/drive/first_look.h"
 #include "server/ingest/inspection/log_inspection.h"
 
 namespace parkade {
-
-/// From what size on a log is looked at by its beginning first. [byte]
-constexpr std::uint64_t kLargeLog = std::uint64_t{1} << 30;
 
 /// Reads a whole log and decodes every message and image, on all cores; of one that is unusable,
 /// and of `large_log` bytes at least, only the beginning. Throws Error when it is no log at all.

@@ -1,4 +1,4 @@
-#include "server/ingest/inspection/head_source.h"
+#include "server/ingest/drive/head_source.h"
 
 namespace parkade {
 namespace {
