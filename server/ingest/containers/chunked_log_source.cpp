@@ -124,6 +124,15 @@ class ChunkedLogSource : public MessageSource {
     message->place = place;
     return message;
   }
+  TimeSpan span() const override {
+    TimeSpan span;
+    for (const LogSegment& segment : log_->segments) {
+      if (segment.time.IsEmpty()) continue;
+      span.Include(segment.time.begin);
+      span.Include(segment.time.end);
+    }
+    return span;
+  }
 
  private:
   std::shared_ptr<const ScannedLog> log_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <queue>
+#include <set>
 #include <tuple>
 
 #include "server/ingest/containers/damage.h"
@@ -16,6 +17,63 @@ struct Part {
   std::optional<Timestamp> begin;  ///< of its first message
 };
 
+struct Parts {
+  std::vector<Part> parts;
+  bool are_merged = true;  ///< by time; false: one is read after the other
+};
+
+/// Whether two files hold, mostly, the same topics.
+bool AreAlike(const Part& a, const Part& b) {
+  const auto is_shared = [&](int topic) {
+    return std::find(b.joined_topics.begin(), b.joined_topics.end(), topic) !=
+           b.joined_topics.end();
+  };
+  const auto num_shared = std::count_if(a.joined_topics.begin(), a.joined_topics.end(), is_shared);
+  return 2 * static_cast<std::size_t>(num_shared) >
+         std::max(a.joined_topics.size(), b.joined_topics.size());
+}
+
+/// A pass over those of a file's topics that another has too.
+std::unique_ptr<MessageStream> ReadShared(const Part& part, const Part& other) {
+  std::vector<bool> wanted;
+  for (const int topic : part.joined_topics)
+    wanted.push_back(std::find(other.joined_topics.begin(), other.joined_topics.end(), topic) !=
+                     other.joined_topics.end());
+  return part.source->Read(wanted);
+}
+
+/// Whether one of the first messages of a file is in another, too, as where two recorders ran.
+bool RepeatsFirstOf(const Part& part, const Part& other) {
+  constexpr std::size_t kNumFirst = 50;
+  std::set<std::vector<std::uint8_t>> first;
+  const auto stream = ReadShared(part, other);
+  while (const std::optional<RawMessage> message = stream->Next()) {
+    first.insert(message->data);
+    if (first.size() == kNumFirst) break;
+  }
+  const auto all = ReadShared(other, part);
+  while (const std::optional<RawMessage> message = all->Next())
+    if (first.contains(message->data)) return true;
+  return false;
+}
+
+/// Whether the recorder's clock was set back from file to file, or within one: the same topics were
+/// then recorded twice at a time, but other messages.
+bool WereSetBack(const std::vector<Part>& parts) {
+  constexpr double kMinOverlap = 2;  // [s]
+  for (std::size_t k = 1; k < parts.size(); ++k) {
+    for (std::size_t i = 0; i < k; ++i) {
+      const TimeSpan a = parts[i].source->span(), b = parts[k].source->span();
+      if (a.IsEmpty() || b.IsEmpty() || !AreAlike(parts[i], parts[k])) continue;
+      const double overlap = std::min(a.end, b.end) - std::max(a.begin, b.begin);
+      if (overlap > kMinOverlap && !RepeatsFirstOf(parts[k], parts[i]) &&
+          !RepeatsFirstOf(parts[i], parts[k]))
+        return true;
+    }
+  }
+  return false;
+}
+
 void Append(DamageReport& all, const DamageReport& more) {
   const std::uint64_t num_lost = all.num_lost_messages + more.num_lost_messages;
   for (const LostRange& range : more.ranges) AddLoss(all, range);
@@ -25,15 +83,15 @@ void Append(DamageReport& all, const DamageReport& more) {
 
 class JoinedStream : public MessageStream {
  public:
-  JoinedStream(std::shared_ptr<const std::vector<Part>> parts, const DamageReport& missing,
+  JoinedStream(std::shared_ptr<const Parts> parts, const DamageReport& missing,
                std::vector<bool> wanted)
       : parts_(std::move(parts)),
         wanted_(std::move(wanted)),
         finished_(missing),
-        streams_(parts_->size()) {}
+        streams_(parts_->parts.size()) {}
 
   std::optional<RawMessage> Next() override {
-    while (next_part_ < parts_->size() && IsNextPartDue()) OpenNextPart();
+    while (next_part_ < parts_->parts.size() && IsNextPartDue()) OpenNextPart();
     if (heads_.empty()) return std::nullopt;
     // std::priority_queue gives no way to move its top out.
     Head head = std::move(const_cast<Head&>(heads_.top()));
@@ -61,12 +119,13 @@ class JoinedStream : public MessageStream {
   bool IsNextPartDue() const {
     constexpr std::size_t kMaxOpen = 16;
     if (heads_.empty()) return true;
-    const std::optional<Timestamp>& begin = (*parts_)[next_part_].begin;
-    return heads_.size() < kMaxOpen && (!begin || *begin <= heads_.top().message.log_time);
+    const std::optional<Timestamp> begin = parts_->parts[next_part_].begin;
+    return parts_->are_merged && heads_.size() < kMaxOpen &&
+           (!begin || *begin <= heads_.top().message.log_time);
   }
 
   void OpenNextPart() {
-    const Part& part = (*parts_)[next_part_];
+    const Part& part = parts_->parts[next_part_];
     std::vector<bool> wanted;
     for (const int topic : part.joined_topics)
       wanted.push_back(wanted_[static_cast<std::size_t>(topic)]);
@@ -81,12 +140,12 @@ class JoinedStream : public MessageStream {
       streams_[part].reset();
       return;
     }
-    message->topic = (*parts_)[part].joined_topics[static_cast<std::size_t>(message->topic)];
+    message->topic = parts_->parts[part].joined_topics[static_cast<std::size_t>(message->topic)];
     message->place.part = part;
     heads_.push({std::move(*message), part});
   }
 
-  std::shared_ptr<const std::vector<Part>> parts_;
+  std::shared_ptr<const Parts> parts_;
   std::vector<bool> wanted_;
   DamageReport finished_;  ///< of parts that came to their end
   mutable DamageReport damage_;
@@ -101,7 +160,8 @@ class JoinedSource : public MessageSource {
       : missing_(missing) {
     format_ = sources.front()->format();
     std::map<std::tuple<std::string, std::string, MessageEncoding>, int> known;
-    auto parts = std::make_shared<std::vector<Part>>();
+    auto joined = std::make_shared<Parts>();
+    std::vector<Part>& parts = joined->parts;
     for (std::unique_ptr<MessageSource>& source : sources) {
       Part part;
       for (const TopicInfo& topic : source->topics()) {
@@ -117,11 +177,13 @@ class JoinedSource : public MessageSource {
       const auto first = source->Read(std::vector<bool>(source->topics().size(), true))->Next();
       if (first) part.begin = first->log_time;
       part.source = std::move(source);
-      parts->push_back(std::move(part));
+      parts.push_back(std::move(part));
     }
-    std::stable_sort(parts->begin(), parts->end(),
-                     [](const Part& a, const Part& b) { return a.begin < b.begin; });
-    parts_ = std::move(parts);
+    joined->are_merged = !WereSetBack(parts);
+    if (joined->are_merged)
+      std::stable_sort(parts.begin(), parts.end(),
+                       [](const Part& a, const Part& b) { return a.begin < b.begin; });
+    parts_ = std::move(joined);
   }
 
   const std::vector<TopicInfo>& topics() const override { return topics_; }
@@ -130,8 +192,8 @@ class JoinedSource : public MessageSource {
     return std::make_unique<JoinedStream>(parts_, missing_, wanted);
   }
   std::optional<RawMessage> ReadAt(int topic, const MessagePlace& place) const override {
-    if (place.part >= parts_->size()) return std::nullopt;
-    const Part& part = (*parts_)[place.part];
+    if (place.part >= parts_->parts.size()) return std::nullopt;
+    const Part& part = parts_->parts[place.part];
     const auto own = std::find(part.joined_topics.begin(), part.joined_topics.end(), topic);
     if (own == part.joined_topics.end()) return std::nullopt;
     std::optional<RawMessage> message =
@@ -141,7 +203,7 @@ class JoinedSource : public MessageSource {
   }
 
  private:
-  std::shared_ptr<const std::vector<Part>> parts_;
+  std::shared_ptr<const Parts> parts_;
   std::vector<TopicInfo> topics_;
   std::string format_;
   DamageReport missing_;

@@ -44,6 +44,7 @@ class KeptSource : public MessageSource {
   std::optional<RawMessage> ReadAt(int topic, const MessagePlace& place) const override {
     return source_->ReadAt(topic, place);
   }
+  TimeSpan span() const override { return source_->span(); }
 
  private:
   std::shared_ptr<const MessageSource> source_;

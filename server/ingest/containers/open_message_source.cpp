@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <set>
 
@@ -145,7 +146,10 @@ std::unique_ptr<MessageSource> OpenFolder(const fs::path& folder, const fs::path
     missing = {};
     for (const fs::directory_entry& entry : fs::directory_iterator(folder))
       if (entry.is_regular_file()) names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
+    // "drive_2" before "drive_10"
+    std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
+      return strverscmp(a.c_str(), b.c_str()) < 0;
+    });
   }
   std::vector<std::unique_ptr<MessageSource>> parts;
   std::set<std::string> formats;

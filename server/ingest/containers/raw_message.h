@@ -83,6 +83,8 @@ class MessageSource {
   /// The message of a topic at a place that a pass over this log gave, without a pass; nothing
   /// where it cannot be read there.
   virtual std::optional<RawMessage> ReadAt(int topic, const MessagePlace& place) const = 0;
+  /// From the earliest log time to the latest; empty where only reading would tell.
+  virtual TimeSpan span() const { return {}; }
   /// The source that was opened, where this shows part of it.
   virtual const MessageSource& origin() const { return *this; }
 };

@@ -26,6 +26,7 @@ struct Rosbag2File {
   std::shared_ptr<const InputFile> file;
   TopicMap topics;         ///< a topic's id is its channel
   std::string time_index;  ///< of the timestamp, by which rows are read; quoted; empty: by number
+  TimeSpan span;           ///< empty where it is damaged
   DamageReport damage;
   bool is_damaged = false;  ///< found to be so when it was opened
 };
@@ -188,12 +189,15 @@ std::map<std::uint32_t, std::uint64_t> ReadTables(const SqliteDatabase& database
 }
 
 /// Whether the recorder's clock was set back while it wrote: rows are numbered as they came.
-bool WasSetBack(const SqliteDatabase& database) {
+/// Fills in the span of their times.
+bool WasSetBack(const SqliteDatabase& database, TimeSpan& span) {
   ChannelClocks clocks;
   SqliteQuery rows(database, "SELECT topic_id, timestamp FROM messages ORDER BY id");
-  while (rows.Step())
-    clocks.Add(static_cast<std::uint32_t>(rows.Integer(0)),
-               {std::max<std::int64_t>(rows.Integer(1), 0)});
+  while (rows.Step()) {
+    const Timestamp time{std::max<std::int64_t>(rows.Integer(1), 0)};
+    clocks.Add(static_cast<std::uint32_t>(rows.Integer(0)), time);
+    span.Include(time);
+  }
   return clocks.WereSetBack();
 }
 
@@ -261,6 +265,7 @@ class SqliteSource : public MessageSource {
       return std::nullopt;  // the database is damaged there
     }
   }
+  TimeSpan span() const override { return log_->is_damaged ? TimeSpan{} : log_->span; }
 
  private:
   void ReadWithWal(const std::filesystem::path& scratch_folder) {
@@ -296,7 +301,7 @@ class SqliteSource : public MessageSource {
       const SqliteDatabase database(log_->path);
       has_tables = HasTables(database);
       if (has_tables) {
-        log_->time_index = WasSetBack(database) ? "" : FindTimeIndex(database);
+        log_->time_index = WasSetBack(database, log_->span) ? "" : FindTimeIndex(database);
         num_messages = ReadTables(database, channels);
       }
     } catch (const Error&) {

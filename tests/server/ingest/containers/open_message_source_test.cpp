@@ -28,16 +28,30 @@ class OpenMessageSourceTest : public testing::Test {
     std::ofstream(folder_ / name) << text;
   }
 
-  /// Samples [first, last) as an MCAP file.
+  /// Samples [first, last) as an MCAP file, by a clock that is ahead.
   void WritePart(const std::string& name, std::size_t first, std::size_t last,
-                 const McapWriterOptions& options = {}) const {
+                 const McapWriterOptions& options = {}, double ahead = 0) const {
     McapWriter writer(folder_ / name, "ros2", options);
     for (const SampleTopic& topic : kSampleTopics)
       writer.AddChannel(topic.topic, topic.type, "", "cdr");
     for (std::size_t i = first; i < last; ++i)
-      writer.Write(static_cast<int>(SampleMessages()[i].topic), SampleMessages()[i].time,
+      writer.Write(static_cast<int>(SampleMessages()[i].topic), SampleMessages()[i].time + ahead,
                    SampleMessages()[i].data);
     writer.Close();
+  }
+
+  /// Which samples the folder's messages are, in the order they come, whatever their times.
+  std::vector<std::size_t> ReadSamples() const {
+    const auto source = OpenMessageSource(folder_);
+    const auto stream = source->Read(std::vector<bool>(source->topics().size(), true));
+    std::vector<std::size_t> read;
+    while (const std::optional<RawMessage> message = stream->Next()) {
+      const auto sample =
+          std::find_if(SampleMessages().begin(), SampleMessages().end(),
+                       [&](const SampleMessage& known) { return known.data == message->data; });
+      read.push_back(static_cast<std::size_t>(sample - SampleMessages().begin()));
+    }
+    return read;
   }
 
   static std::string ErrorOf(const fs::path& path) {
@@ -95,6 +109,23 @@ TEST_F(OpenMessageSourceTest, SplitFilesAreOneLogInOrderOfTime) {
   EXPECT_EQ(log.topics.size(), 4u);
   EXPECT_EQ(log.topics[0].num_messages, 400u);
   EXPECT_TRUE(log.damage.IsClean());
+}
+
+TEST_F(OpenMessageSourceTest, SplitFilesWhoseClockWasSetBackComeOneAfterTheOther) {
+  WritePart("drive_9.mcap", 0, 500);
+  WritePart("drive_10.mcap", 500, 710, {}, -2.5);
+
+  EXPECT_EQ(ReadSamples(), AllSamples());
+}
+
+TEST_F(OpenMessageSourceTest, FilesOfTwoRecordersAreMerged) {
+  WritePart("one.mcap", 0, 500);
+  WritePart("other.mcap", 20, 710, {}, 0.004);
+
+  const std::vector<std::size_t> read = ReadSamples();
+
+  EXPECT_EQ(read.size(), 500u + 690u);
+  for (std::size_t i = 1; i < read.size(); ++i) EXPECT_LT(read[i - 1], read[i] + 10);
 }
 
 TEST_F(OpenMessageSourceTest, FilesOfOneDriveSideBySideAreMerged) {
