@@ -111,7 +111,9 @@ std::optional<Eigen::Vector3d> RateAtRest(const std::vector<const ImagePairs*>& 
                                           const GyroscopeHistory& gyroscope) {
   constexpr double kSteady = 0.02;      // [rad/s], of the rates' deviations
   constexpr std::size_t kMinStill = 3;  // pairs; one image may be repeated
+  constexpr double kMinStop = 0.3;      // [s]; all cameras' images may be, at a time
   std::vector<Eigen::Vector3d> rates;
+  TimeSpan span;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const ImagePairs* of_camera : pairs) {
     if (!of_camera) continue;
@@ -121,9 +123,10 @@ std::optional<Eigen::Vector3d> RateAtRest(const std::vector<const ImagePairs*>& 
       if (!turn || !pair.IsStill() || pair.from.empty()) continue;
       rates.emplace_back(LogSo3(*turn) / (pair.second - pair.first));
       sum += rates.back();
+      span.Include(pair.first);
     }
   }
-  if (rates.size() < kMinStill) return std::nullopt;
+  if (rates.size() < kMinStill || span.Seconds() < kMinStop) return std::nullopt;
   const Eigen::Vector3d mean = sum / static_cast<double>(rates.size());
   const bool is_steady = std::all_of(rates.begin(), rates.end(), [&](const Eigen::Vector3d& rate) {
     return (rate - mean).norm() < kSteady;

@@ -275,6 +275,17 @@ TEST(CameraChecks, KnowAGyroscopeThatReadsARateAtRest) {
   EXPECT_NEAR(found[0].evidence.at("bias_rad_s"), 0.3, 0.02);
 }
 
+TEST(CameraChecks, TakeAnImageThatIsRepeatedOnceForNoRest) {
+  std::array<cv::Mat, 3> last;
+  std::array<int, 3> count{};
+  const auto found = TurningCar().Check({.alter = [&](size_t camera, const cv::Mat& image) {
+    const bool is_repeated = ++count[camera] == 8;  // the second of a pair
+    return last[camera] = is_repeated ? last[camera] : image;
+  }});
+
+  EXPECT_TRUE(found.empty()) << found[0].sentence;
+}
+
 TEST(CameraChecks, KnowCamerasThatHaveAllChangedPlaces) {
   const std::vector<Finding> found = TurningCar().Check({.from = {1, 2, 0}});
   ASSERT_EQ(found.size(), 1u);

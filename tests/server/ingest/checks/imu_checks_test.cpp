@@ -301,5 +301,25 @@ TEST(LogChecks, KnowWheelsThatNeverTurnAndFixesThatNeverMove) {
             kGnssIsFrozen);
 }
 
+TEST(ImuChecks, LeaveTheMountingToCamerasOnlyWhereTheyTellOfTurns) {
+  Rig rig;
+  rig.vehicle.emplace();
+  ImuChecks checks(rig);
+  SpeedHistory wheels, cameras("the cameras", 0.1), blind_cameras("the cameras", 0.1);
+  for (int i = 0; i < 4000; ++i) {
+    const Timestamp time = kBegin + 0.005 * i;
+    const double yaw_rate = 0.5 * std::sin(0.0025 * i), speed = 3;
+    checks.Include({time, {0, 0, yaw_rate}, {speed * yaw_rate, 0, 9.81}});  // a quarter turn off
+    if (i % 20 != 0) continue;
+    wheels.Include({time, speed, yaw_rate});
+    cameras.Include({time, speed, yaw_rate});
+    blind_cameras.Include({time, speed, 0});
+  }
+
+  EXPECT_EQ(NamesOf(checks.Findings("/imu", wheels)), "imu_mounting");
+  EXPECT_EQ(NamesOf(checks.Findings("/imu", cameras)), "imu_mounting");
+  EXPECT_EQ(NamesOf(checks.Findings("/imu", blind_cameras)), "");
+}
+
 }  // namespace
 }  // namespace parkade
