@@ -45,15 +45,18 @@ std::unique_ptr<MessageStream> ReadShared(const Part& part, const Part& other) {
 /// Whether one of the first messages of a file is in another, too, as where two recorders ran.
 bool RepeatsFirstOf(const Part& part, const Part& other) {
   constexpr std::size_t kNumFirst = 50;
-  std::set<std::vector<std::uint8_t>> first;
+  const auto text_of = [](const RawMessage& message) {
+    return std::string(message.data.begin(), message.data.end());
+  };
+  std::set<std::string> first;
   const auto stream = ReadShared(part, other);
   while (const std::optional<RawMessage> message = stream->Next()) {
-    first.insert(message->data);
+    first.insert(text_of(*message));
     if (first.size() == kNumFirst) break;
   }
   const auto all = ReadShared(other, part);
   while (const std::optional<RawMessage> message = all->Next())
-    if (first.contains(message->data)) return true;
+    if (first.contains(text_of(*message))) return true;
   return false;
 }
 

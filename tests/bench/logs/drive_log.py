@@ -48,6 +48,7 @@ class DriveLog:
         self.records, self.rig, self.leaps = records, rig, []
         self.edit_bytes = None  # what becomes of the finished file: bytes to bytes
         self.name = "drive.bag"
+        self.split_at = None  # a true time [ns] from which on records go to a second file
         self.last = None  # the true time [ns] up to which there is a path to be found; None: the end
         topics = {r.message._type: r.topic for r in records}
         self.imu_topic = topics["sensor_msgs/Imu"]
@@ -99,12 +100,22 @@ class DriveLog:
         """What stamps are ahead by [ns] at a true time [ns]."""
         return sum(by for moment, by in self.leaps if time >= moment)
 
-    def write(self, folder):
-        path = pathlib.Path(folder) / self.name
+    @staticmethod
+    def _write_bag(path, records):
         with rosbag.Bag(str(path), "w") as bag:
-            for r in self.records:
+            for r in records:
                 seconds, rest = divmod(max(r.recorded, NS), NS)
                 bag.write(r.topic, r.message, genpy.Time(seconds, rest))
+
+    def write(self, folder):
+        path = pathlib.Path(folder) / self.name
+        if self.split_at is None:
+            self._write_bag(path, self.records)
+        else:
+            path = path.with_suffix("")
+            path.mkdir()
+            self._write_bag(path / "drive_0.bag", [r for r in self.records if r.true_time < self.split_at])
+            self._write_bag(path / "drive_1.bag", [r for r in self.records if r.true_time >= self.split_at])
         if self.edit_bytes:
             path.write_bytes(self.edit_bytes(path.read_bytes()))
         shutil.rmtree(path.parent / "rig", ignore_errors=True)

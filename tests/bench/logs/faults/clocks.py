@@ -31,6 +31,12 @@ def _(log):
     log.leap(0.7, -3600)
 
 
+@FAULTS.each("all clocks leap by {} s from one file of a split recording to the next", [0, -3, -600, 600], "clock|leap|stretch|back")
+def _(log, seconds):
+    log.leap(0.4, seconds)
+    log.split_at = log.at(0.4)
+
+
 def shift(records, by, since=0):
     for r in records:
         if r.stamp >= since:
