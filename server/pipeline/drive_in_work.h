@@ -7,6 +7,7 @@
 #include "server/ingest/drive/recorded_drive.h"
 #include "server/pipeline/built_map.h"
 #include "server/pipeline/keyed.h"
+#include "server/pipeline/trajectory_findings.h"
 #include "slam/odometry/calibrated_log.h"
 #include "slam/odometry/odometry_result.h"
 #include "slam/places/rig_keyframe.h"
@@ -29,7 +30,7 @@ struct DriveInWork {
   DriveDiagnostics diagnostics;
   std::optional<CalibratedLog> calibrated;  ///< the log as all that follows the refinement sees it
   std::optional<GnssAlignment> gnss;
-  std::string gnss_doubt;  ///< why its fixes are left out: "contradict the trajectory: ..."
+  GnssVerdict gnss_verdict;
   Keyed<std::vector<RigKeyframe>> keyframes;  ///< of several drives; a drive alone needs none
 };
 

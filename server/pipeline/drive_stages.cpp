@@ -121,8 +121,9 @@ void CloseLoops(const BuildContext& context, DriveInWork& drive) {
 void Refine(const BuildContext& context, DriveInWork& drive) {
   GnssPositions gnss = ReadGnss(*drive.log, context.options.gnss);
   OdometryResult& odometry = drive.odometry.value;
-  drive.gnss_doubt = DoubtOfFixes(odometry.odom_from_body, gnss.fixes, gnss.options.max_fix_sigma);
-  if (!drive.gnss_doubt.empty()) gnss.fixes.clear();
+  std::string& doubt = drive.gnss_verdict.doubt;
+  doubt = DoubtOfFixes(odometry.odom_from_body, gnss.fixes, gnss.options.max_fix_sigma);
+  if (!doubt.empty()) gnss.fixes.clear();
   const std::string key = KeyOf({drive.loops.key, "refinement", TextOf(context.options.refinement),
                                  TextOf(context.options.gnss), BytesOf(gnss)});
   const StageFile<DriveRefinement> file{

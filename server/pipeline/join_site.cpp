@@ -17,11 +17,14 @@ std::optional<SiteDatum> AlignAllToGnss(const GnssAlignOptions& options,
                                         std::vector<DriveInWork>& drives) {
   std::optional<SiteDatum> datum;
   for (DriveInWork& drive : drives) {
-    if (!drive.gnss_doubt.empty()) continue;
+    if (!drive.gnss_verdict.doubt.empty()) continue;
     const GnssPositions gnss = ReadGnss(*drive.log, options);
     drive.gnss = AlignToGnss(drive.refinement.value.odom_from_body, gnss.fixes,
                              gnss.antenna_in_body, options, datum);
-    if (drive.gnss) datum = drive.gnss->datum;
+    if (drive.gnss)
+      datum = drive.gnss->datum;
+    else
+      drive.gnss_verdict.num_too_vague = gnss.fixes.size();
   }
   return datum;
 }
@@ -138,7 +141,7 @@ DriveOutcome OutcomeOf(DriveInWork& drive) {
           std::move(drive.diagnostics),
           drive.gnss,
           odometry.keyframes.size(),
-          TrajectoryFindings(odometry.report, drive.agreement, drive.gnss_doubt)};
+          TrajectoryFindings(odometry.report, drive.agreement, drive.gnss_verdict)};
 }
 
 }  // namespace
@@ -197,9 +200,9 @@ void WarnOfLosses(const std::vector<DriveInWork>& drives, BuiltMap& built) {
     const DriveLogHealth health = drive.log->health();
     const std::string name = "drive '" + drive.log->name() + "': ";
     for (const std::string& warning : health.Warnings()) warnings.push_back(name + warning);
-    for (const std::string& warning :
-         TextsOf(TrajectoryFindings(drive.odometry.value.report, drive.agreement, drive.gnss_doubt),
-                 Severity::kWarning))
+    for (const std::string& warning : TextsOf(
+             TrajectoryFindings(drive.odometry.value.report, drive.agreement, drive.gnss_verdict),
+             Severity::kWarning))
       warnings.push_back(name + warning);
     if (health.damage.is_truncated)
       warnings.push_back(name + "the log is cut off; what came after is not in the map");

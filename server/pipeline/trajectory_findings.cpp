@@ -153,11 +153,22 @@ std::optional<Finding> WrongPlace(const SensorAgreement& agreement) {
                    {{"ahead_m", most->ahead}, {"ahead_sigma_m", most->sigma}});
 }
 
+std::optional<Finding> VagueFixes(const GnssVerdict& gnss) {
+  if (gnss.num_too_vague == 0) return std::nullopt;
+  return Finding{"gnss_vague",
+                 Severity::kNote,
+                 "",
+                 "GNSS does not tell where on earth the drive is: its " +
+                     std::to_string(gnss.num_too_vague) +
+                     " fixes are too vague for the way between them",
+                 "drive farther under open sky, or pin places of the map",
+                 {{"num_fixes", static_cast<double>(gnss.num_too_vague)}}};
+}
+
 }  // namespace
 
 std::vector<Finding> TrajectoryFindings(const OdometryReport& odometry,
-                                        const SensorAgreement& agreement,
-                                        const std::string& gnss_doubt) {
+                                        const SensorAgreement& agreement, const GnssVerdict& gnss) {
   constexpr double kManyImages = 0.2;  // share of a camera's
   std::vector<Finding> findings;
   const auto add = [&findings](std::optional<Finding> found) {
@@ -180,13 +191,14 @@ std::vector<Finding> TrajectoryFindings(const OdometryReport& odometry,
                               std::to_string(camera.frames) + " images: they are blank, or repeat",
                           "look whether it hangs or is covered",
                           {}});
-  if (!gnss_doubt.empty())
+  if (!gnss.doubt.empty())
     findings.push_back({"gnss_contradicts",
                         Severity::kWarning,
                         "",
-                        "GNSS is left out: its fixes " + gnss_doubt,
+                        "GNSS is left out: its fixes " + gnss.doubt,
                         "",
                         {}});
+  add(VagueFixes(gnss));
   add(Contradiction(odometry.cameras));
   add(BlindParts(odometry));
   for (const CameraCalibration& camera : odometry.calibration) add(WrongMount(camera));

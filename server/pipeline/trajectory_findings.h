@@ -9,10 +9,14 @@
 
 namespace parkade {
 
+/// What a drive's fixes are worth.
+struct GnssVerdict {
+  std::string doubt;         ///< what they do that are left out for it: "jump by 30 m"; or empty
+  size_t num_too_vague = 0;  ///< of which none is left out, but which tell no place on earth
+};
+
 /// What is wrong with a drive's sensors, as its trajectory tells.
-/// \param gnss_doubt  "jump by 30 m": what fixes do that are left out for it; empty: nothing
 std::vector<Finding> TrajectoryFindings(const OdometryReport& odometry,
-                                        const SensorAgreement& agreement,
-                                        const std::string& gnss_doubt);
+                                        const SensorAgreement& agreement, const GnssVerdict& gnss);
 
 }  // namespace parkade

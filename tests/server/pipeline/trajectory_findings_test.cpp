@@ -18,7 +18,7 @@ OdometryReport ReportWith(const std::vector<double>& offsets) {
 
 TEST(TrajectoryFindings, CamerasThatAreOffByTheSameShowADelayOfTheImu) {
   const std::vector<Finding> findings =
-      TrajectoryFindings(ReportWith({0.041, 0.038, 0.040}), {}, "");
+      TrajectoryFindings(ReportWith({0.041, 0.038, 0.040}), {}, {});
 
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].name, "imu_delay");
@@ -30,9 +30,9 @@ TEST(TrajectoryFindings, CamerasThatAreOffByTheSameShowADelayOfTheImu) {
 }
 
 TEST(TrajectoryFindings, CamerasThatDifferOrAreOneOrHardlyOffShowNone) {
-  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.041, 0.002}), {}, "").empty());
-  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.040}), {}, "").empty());
-  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.006, 0.006}), {}, "").empty());
+  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.041, 0.002}), {}, {}).empty());
+  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.040}), {}, {}).empty());
+  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.006, 0.006}), {}, {}).empty());
   OdometryReport kept = ReportWith({0.04, 0.04});
   kept.calibration[1].quantities[0].status = CalibratedQuantity::Status::kKept;
   EXPECT_TRUE(TrajectoryFindings(kept, {}, "").empty());
@@ -159,6 +159,15 @@ TEST(TrajectoryFindings, TheCameraThatIsOffTheMostIsNamed) {
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_NE(findings[0].sentence.find("camera cam1 sits 0.6 m farther back"), std::string::npos)
       << findings[0].sentence;
+}
+
+TEST(TrajectoryFindings, FixesThatTellNoPlaceAreANote) {
+  const std::vector<Finding> findings = TrajectoryFindings({}, {}, {.num_too_vague = 12});
+
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].name, "gnss_vague");
+  EXPECT_EQ(findings[0].severity, Severity::kNote);
+  EXPECT_NE(findings[0].sentence.find("its 12 fixes are too vague"), std::string::npos);
 }
 
 }  // namespace
