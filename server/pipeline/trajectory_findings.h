@@ -11,7 +11,7 @@ namespace parkade {
 
 /// What a drive's fixes are worth.
 struct GnssVerdict {
-  std::string doubt;         ///< what they do that are left out for it: "jump by 30 m"; or empty
+  std::string doubt = "";    ///< what they do that are left out for it: "jump by 30 m"; or empty
   size_t num_too_vague = 0;  ///< of which none is left out, but which tell no place on earth
 };
 

@@ -63,7 +63,7 @@ bool RepeatsFirstOf(const Part& part, const Part& other) {
 /// Whether the recorder's clock was set back from file to file, or within one: the same topics were
 /// then recorded twice at a time, but other messages.
 bool WereSetBack(const std::vector<Part>& parts) {
-  constexpr double kMinOverlap = 2;  // [s]
+  constexpr double kMinOverlap = 1;  // [s]
   for (std::size_t k = 1; k < parts.size(); ++k) {
     for (std::size_t i = 0; i < k; ++i) {
       const TimeSpan a = parts[i].source->span(), b = parts[k].source->span();

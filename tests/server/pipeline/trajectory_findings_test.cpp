@@ -35,14 +35,14 @@ TEST(TrajectoryFindings, CamerasThatDifferOrAreOneOrHardlyOffShowNone) {
   EXPECT_TRUE(TrajectoryFindings(ReportWith({0.006, 0.006}), {}, {}).empty());
   OdometryReport kept = ReportWith({0.04, 0.04});
   kept.calibration[1].quantities[0].status = CalibratedQuantity::Status::kKept;
-  EXPECT_TRUE(TrajectoryFindings(kept, {}, "").empty());
+  EXPECT_TRUE(TrajectoryFindings(kept, {}, {}).empty());
 }
 
 TEST(TrajectoryFindings, WhatIsLeftOutIsSaid) {
   OdometryReport report;
   report.wheels_left_out = "are in km/h";
 
-  const std::vector<Finding> findings = TrajectoryFindings(report, {}, "jump by 30 m");
+  const std::vector<Finding> findings = TrajectoryFindings(report, {}, {.doubt = "jump by 30 m"});
 
   ASSERT_EQ(findings.size(), 2u);
   EXPECT_EQ(findings[0].sentence, "the wheels are left out: they are in km/h");
@@ -61,17 +61,17 @@ TEST(TrajectoryFindings, CamerasThatDoNotFitThePathAreNamed) {
   OdometryReport report;
   report.cameras = {SeenWith("cam0", 0.3), SeenWith("cam1", 2.5), SeenWith("cam2", 0.6)};
 
-  const std::vector<Finding> one = TrajectoryFindings(report, {}, "");
+  const std::vector<Finding> one = TrajectoryFindings(report, {}, {});
   ASSERT_EQ(one.size(), 1u);
   EXPECT_EQ(one[0].name, "cameras_contradict_path");
   EXPECT_NE(one[0].sentence.find("what cam1 sees does not move"), std::string::npos);
 
   report.cameras[1].frames_used = 0;
-  EXPECT_TRUE(TrajectoryFindings(report, {}, "").empty()) << "it was left out";
+  EXPECT_TRUE(TrajectoryFindings(report, {}, {}).empty()) << "it was left out";
 
   report.cameras[1].frames_used = 100;
   report.cameras[0].noise_scale = 4;
-  const std::vector<Finding> most = TrajectoryFindings(report, {}, "");
+  const std::vector<Finding> most = TrajectoryFindings(report, {}, {});
   ASSERT_EQ(most.size(), 1u);
   EXPECT_NE(most[0].sentence.find("cam0 and cam1 see fits no path"), std::string::npos)
       << most[0].sentence;
@@ -82,10 +82,10 @@ TEST(TrajectoryFindings, LongPartsWithoutImagesAreSaid) {
   const std::string blind = std::string(kNoCamera) + "; the IMU alone carries on";
   OdometryReport report;
   report.degraded = {{begin, begin + 0.1, blind}, {begin + 9.0, begin + 12.0, "the wheels"}};
-  EXPECT_TRUE(TrajectoryFindings(report, {}, "").empty());
+  EXPECT_TRUE(TrajectoryFindings(report, {}, {}).empty());
 
   report.degraded.push_back({begin + 20.0, begin + 23.5, blind});
-  const std::vector<Finding> findings = TrajectoryFindings(report, {}, "");
+  const std::vector<Finding> findings = TrajectoryFindings(report, {}, {});
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].sentence,
             "no camera sees anything for 3.5 s: the IMU alone tells the path there");
@@ -100,10 +100,10 @@ TEST(TrajectoryFindings, MountsThatAreFarOffAreSaid) {
   using Status = CalibratedQuantity::Status;
   OdometryReport report;
   report.calibration = {mount(2, Status::kRefined), mount(12, Status::kKept)};
-  EXPECT_TRUE(TrajectoryFindings(report, {}, "").empty());
+  EXPECT_TRUE(TrajectoryFindings(report, {}, {}).empty());
 
   report.calibration = {mount(12, Status::kPartlyRefined)};
-  const std::vector<Finding> findings = TrajectoryFindings(report, {}, "");
+  const std::vector<Finding> findings = TrajectoryFindings(report, {}, {});
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_NE(findings[0].sentence.find("cam1 looks 12 degrees beside"), std::string::npos);
 }
@@ -111,16 +111,16 @@ TEST(TrajectoryFindings, MountsThatAreFarOffAreSaid) {
 TEST(TrajectoryFindings, AnAccelerometerThatIsFarOffIsSaidWhereNoWheelsTellTheScale) {
   OdometryReport report;
   report.accelerometer_bias = {0.1, -0.1, 0.15};
-  EXPECT_TRUE(TrajectoryFindings(report, {}, "").empty());
+  EXPECT_TRUE(TrajectoryFindings(report, {}, {}).empty());
 
   report.accelerometer_bias.z() = 0.36;
-  const std::vector<Finding> findings = TrajectoryFindings(report, {}, "");
+  const std::vector<Finding> findings = TrajectoryFindings(report, {}, {});
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].sentence,
             "the IMU's accelerations are off by 0.39 m/s2: if it is a matter of their scale, the "
             "path's is off by 3.9 %");
   report.has_wheels = true;
-  EXPECT_TRUE(TrajectoryFindings(report, {}, "").empty());
+  EXPECT_TRUE(TrajectoryFindings(report, {}, {}).empty());
 }
 
 TEST(TrajectoryFindings, TurnsThatCamerasDoNotSeeAreSaid) {
@@ -131,7 +131,7 @@ TEST(TrajectoryFindings, TurnsThatCamerasDoNotSeeAreSaid) {
                                .turn_delay = delay,
                                .turn_delay_sigma = 0.004,
                                .leads = {{"cam0", 0.6, 0.1}}},
-                              "");
+                              {});
   };
   const std::vector<Finding> gain = findings_of(-0.03, 0.05);
   ASSERT_EQ(gain.size(), 1u);
@@ -151,7 +151,7 @@ TEST(TrajectoryFindings, TurnsThatCamerasDoNotSeeAreSaid) {
 
 TEST(TrajectoryFindings, TheCameraThatIsOffTheMostIsNamed) {
   const auto findings_of = [](const std::vector<CameraLead>& leads) {
-    return TrajectoryFindings({}, {.leads = leads}, "");
+    return TrajectoryFindings({}, {.leads = leads}, {});
   };
   EXPECT_TRUE(findings_of({{"cam0", 0.2, 0.01}, {"cam1", 0.8, 0.3}}).empty());
   const std::vector<Finding> findings =

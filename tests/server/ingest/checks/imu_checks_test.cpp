@@ -306,10 +306,16 @@ TEST(ImuChecks, LeaveTheMountingToCamerasOnlyWhereTheyTellOfTurns) {
   rig.vehicle.emplace();
   ImuChecks checks(rig);
   SpeedHistory wheels, cameras("the cameras", 0.1), blind_cameras("the cameras", 0.1);
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0, 0.01);
+  const auto noisy = [&](double x, double y, double z) {
+    return Eigen::Vector3d(x + noise(random), y + noise(random), z + noise(random));
+  };
   for (int i = 0; i < 4000; ++i) {
     const Timestamp time = kBegin + 0.005 * i;
     const double yaw_rate = 0.5 * std::sin(0.0025 * i), speed = 3;
-    checks.Include({time, {0, 0, yaw_rate}, {speed * yaw_rate, 0, 9.81}});  // a quarter turn off
+    // A quarter turn off.
+    checks.Include({time, noisy(0, 0, yaw_rate), noisy(speed * yaw_rate, 0, 9.81)});
     if (i % 20 != 0) continue;
     wheels.Include({time, speed, yaw_rate});
     cameras.Include({time, speed, yaw_rate});
