@@ -3,6 +3,7 @@
 import math
 import random
 
+from drive_log import NS
 from fault import FaultList
 
 FAULTS = FaultList()
@@ -126,3 +127,21 @@ def _(log):
 def _(log):
     only = log.fixes[0]
     log.drop(lambda r: r.topic == log.gnss_topic and r is not only)
+
+
+@FAULTS.add("stamps are times of the GPS week", ABOUT + "|clock", must_say=True)
+def _(log):
+    for r in log.fixes:
+        r.stamp = r.stamp % (7 * 86400 * NS)
+
+
+@FAULTS.add("stamps are in GPS time, 18 s ahead", ABOUT + "|clock", must_say=True)
+def _(log):
+    for r in log.fixes:
+        r.stamp += 18 * NS
+
+
+@FAULTS.each("fixes come late by {} s", [0.3, 1, 5], ABOUT + "|clock")
+def _(log, seconds):
+    for r in log.fixes:
+        r.stamp += int(seconds * NS)
