@@ -276,14 +276,16 @@ TEST(CameraChecks, KnowAGyroscopeThatReadsARateAtRest) {
 }
 
 TEST(CameraChecks, TakeAnImageThatIsRepeatedOnceForNoRest) {
-  std::array<cv::Mat, 3> last;
-  std::array<int, 3> count{};
-  const auto found = TurningCar().Check({.alter = [&](size_t camera, const cv::Mat& image) {
-    const bool is_repeated = ++count[camera] == 8;  // the second of a pair
-    return last[camera] = is_repeated ? last[camera] : image;
-  }});
+  for (const int second_of_pair : {12, 14, 16}) {
+    std::array<cv::Mat, 3> last;
+    std::array<int, 3> count{};
+    const auto found = TurningCar().Check({.alter = [&](size_t camera, const cv::Mat& image) {
+      const bool is_repeated = ++count[camera] == second_of_pair;
+      return last[camera] = is_repeated ? last[camera] : image;
+    }});
 
-  EXPECT_TRUE(found.empty()) << found[0].sentence;
+    EXPECT_TRUE(found.empty()) << second_of_pair << ": " << found[0].sentence;
+  }
 }
 
 TEST(CameraChecks, KnowCamerasThatHaveAllChangedPlaces) {
