@@ -160,7 +160,7 @@ std::optional<Finding> VagueFixes(const GnssVerdict& gnss) {
                  "",
                  "GNSS does not tell where on earth the drive is: its " +
                      std::to_string(gnss.num_too_vague) +
-                     " fixes are too vague for the way between them",
+                     " fixes are too few, too vague for the way between them, or disagree",
                  "drive farther under open sky, or pin places of the map",
                  {{"num_fixes", static_cast<double>(gnss.num_too_vague)}}};
 }

@@ -4,6 +4,7 @@
 #include <map>
 #include <queue>
 #include <set>
+#include <string_view>
 #include <tuple>
 
 #include "server/ingest/containers/damage.h"
@@ -15,66 +16,99 @@ struct Part {
   std::unique_ptr<MessageSource> source;
   std::vector<int> joined_topics;  ///< by the part's own topic
   std::optional<Timestamp> begin;  ///< of its first message
+  std::size_t epoch = 0;           ///< parts of one are merged by time, after those of the last
 };
 
-struct Parts {
-  std::vector<Part> parts;
-  bool are_merged = true;  ///< by time; false: one is read after the other
-};
+bool Holds(const Part& part, int topic) {
+  return std::find(part.joined_topics.begin(), part.joined_topics.end(), topic) !=
+         part.joined_topics.end();
+}
 
 /// Whether two files hold, mostly, the same topics.
 bool AreAlike(const Part& a, const Part& b) {
-  const auto is_shared = [&](int topic) {
-    return std::find(b.joined_topics.begin(), b.joined_topics.end(), topic) !=
-           b.joined_topics.end();
-  };
-  const auto num_shared = std::count_if(a.joined_topics.begin(), a.joined_topics.end(), is_shared);
+  const auto num_shared = std::count_if(a.joined_topics.begin(), a.joined_topics.end(),
+                                        [&](int topic) { return Holds(b, topic); });
   return 2 * static_cast<std::size_t>(num_shared) >
          std::max(a.joined_topics.size(), b.joined_topics.size());
 }
 
-/// A pass over those of a file's topics that another has too.
-std::unique_ptr<MessageStream> ReadShared(const Part& part, const Part& other) {
+/// What a file holds of a topic in some time: hashes of its messages.
+using Hashes = std::set<std::size_t>;
+
+std::map<int, Hashes> HashesIn(const Part& part, const Part& other, const TimeSpan& time) {
   std::vector<bool> wanted;
-  for (const int topic : part.joined_topics)
-    wanted.push_back(std::find(other.joined_topics.begin(), other.joined_topics.end(), topic) !=
-                     other.joined_topics.end());
-  return part.source->Read(wanted);
-}
-
-/// Whether one of the first messages of a file is in another, too, as where two recorders ran.
-bool RepeatsFirstOf(const Part& part, const Part& other) {
-  constexpr std::size_t kNumFirst = 50;
-  const auto text_of = [](const RawMessage& message) {
-    return std::string(message.data.begin(), message.data.end());
-  };
-  std::set<std::string> first;
-  const auto stream = ReadShared(part, other);
+  for (const int topic : part.joined_topics) wanted.push_back(Holds(other, topic));
+  std::map<int, Hashes> hashes;
+  const auto stream = part.source->Read(wanted);
   while (const std::optional<RawMessage> message = stream->Next()) {
-    first.insert(text_of(*message));
-    if (first.size() == kNumFirst) break;
+    const std::string_view bytes(reinterpret_cast<const char*>(message->data.data()),
+                                 message->data.size());
+    if (time.Contains(message->log_time))
+      hashes[part.joined_topics[static_cast<std::size_t>(message->topic)]].insert(
+          std::hash<std::string_view>()(bytes));
   }
-  const auto all = ReadShared(other, part);
-  while (const std::optional<RawMessage> message = all->Next())
-    if (first.contains(text_of(*message))) return true;
-  return false;
+  return hashes;
 }
 
-/// Whether the recorder's clock was set back from file to file, or within one: the same topics were
-/// then recorded twice at a time, but other messages.
-bool WereSetBack(const std::vector<Part>& parts) {
+/// Whether two files that overlap in time hold other messages there, as where the recorder's clock
+/// was set back between them; not the same, as where two recorders ran, nor a lone wrong time.
+bool DifferIn(const TimeSpan& time, const Part& a, const Part& b) {
+  constexpr std::size_t kMinMessages = 5;  // that differ, of a topic
+  const std::map<int, Hashes> of_a = HashesIn(a, b, time);
+  std::map<int, Hashes> of_b = HashesIn(b, a, time);
+  int num_other = 0, num_same = 0;  // topics
+  for (const auto& [topic, hashes] : of_a) {
+    const Hashes& others = of_b[topic];
+    const std::size_t fewer = std::min(hashes.size(), others.size());
+    if (fewer < kMinMessages) continue;
+    const auto num_shared =
+        std::count_if(hashes.begin(), hashes.end(),
+                      [&others = others](std::size_t hash) { return others.contains(hash); });
+    ++(2 * static_cast<std::size_t>(num_shared) > fewer ? num_same : num_other);
+  }
+  return num_other > num_same;
+}
+
+/// Whether the recorder's clock was set back from file to file of one recording, or within one.
+bool WasSetBack(const std::vector<Part*>& files) {
   constexpr double kMinOverlap = 1;  // [s]
-  for (std::size_t k = 1; k < parts.size(); ++k) {
+  for (std::size_t k = 1; k < files.size(); ++k)
     for (std::size_t i = 0; i < k; ++i) {
-      const TimeSpan a = parts[i].source->span(), b = parts[k].source->span();
-      if (a.IsEmpty() || b.IsEmpty() || !AreAlike(parts[i], parts[k])) continue;
-      const double overlap = std::min(a.end, b.end) - std::max(a.begin, b.begin);
-      if (overlap > kMinOverlap && !RepeatsFirstOf(parts[k], parts[i]) &&
-          !RepeatsFirstOf(parts[i], parts[k]))
+      const TimeSpan a = files[i]->source->span(), b = files[k]->source->span();
+      const TimeSpan both{std::max(a.begin, b.begin), std::min(a.end, b.end)};
+      if (!a.IsEmpty() && !b.IsEmpty() && both.Seconds() > kMinOverlap &&
+          DifferIn(both, *files[i], *files[k]))
         return true;
     }
-  }
   return false;
+}
+
+/// Files of the same topics, as they are given.
+std::vector<std::vector<Part*>> RecordingsOf(std::vector<Part>& parts) {
+  std::vector<std::vector<Part*>> recordings;
+  for (Part& part : parts) {
+    if (!part.begin) continue;
+    const auto own = std::find_if(recordings.begin(), recordings.end(),
+                                  [&](const auto& files) { return AreAlike(*files[0], part); });
+    if (own == recordings.end())
+      recordings.push_back({&part});
+    else
+      own->push_back(&part);
+  }
+  return recordings;
+}
+
+/// Where clocks were set back, the first files of all recordings come first, then the second ones.
+/// Recordings of which not all were split so stay merged.
+void FindEpochs(std::vector<Part>& parts) {
+  const std::vector<std::vector<Part*>> recordings = RecordingsOf(parts);
+  if (recordings.empty() ||
+      !std::all_of(recordings.begin(), recordings.end(), [&](const std::vector<Part*>& files) {
+        return files.size() == recordings[0].size() && WasSetBack(files);
+      }))
+    return;
+  for (const std::vector<Part*>& files : recordings)
+    for (std::size_t k = 0; k < files.size(); ++k) files[k]->epoch = k;
 }
 
 void Append(DamageReport& all, const DamageReport& more) {
@@ -86,15 +120,15 @@ void Append(DamageReport& all, const DamageReport& more) {
 
 class JoinedStream : public MessageStream {
  public:
-  JoinedStream(std::shared_ptr<const Parts> parts, const DamageReport& missing,
+  JoinedStream(std::shared_ptr<const std::vector<Part>> parts, const DamageReport& missing,
                std::vector<bool> wanted)
       : parts_(std::move(parts)),
         wanted_(std::move(wanted)),
         finished_(missing),
-        streams_(parts_->parts.size()) {}
+        streams_(parts_->size()) {}
 
   std::optional<RawMessage> Next() override {
-    while (next_part_ < parts_->parts.size() && IsNextPartDue()) OpenNextPart();
+    while (next_part_ < parts_->size() && IsNextPartDue()) OpenNextPart();
     if (heads_.empty()) return std::nullopt;
     // std::priority_queue gives no way to move its top out.
     Head head = std::move(const_cast<Head&>(heads_.top()));
@@ -122,13 +156,13 @@ class JoinedStream : public MessageStream {
   bool IsNextPartDue() const {
     constexpr std::size_t kMaxOpen = 16;
     if (heads_.empty()) return true;
-    const std::optional<Timestamp> begin = parts_->parts[next_part_].begin;
-    return parts_->are_merged && heads_.size() < kMaxOpen &&
-           (!begin || *begin <= heads_.top().message.log_time);
+    const Part &next = (*parts_)[next_part_], &last = (*parts_)[heads_.top().part];
+    return next.epoch == last.epoch && heads_.size() < kMaxOpen &&
+           (!next.begin || *next.begin <= heads_.top().message.log_time);
   }
 
   void OpenNextPart() {
-    const Part& part = parts_->parts[next_part_];
+    const Part& part = (*parts_)[next_part_];
     std::vector<bool> wanted;
     for (const int topic : part.joined_topics)
       wanted.push_back(wanted_[static_cast<std::size_t>(topic)]);
@@ -143,12 +177,12 @@ class JoinedStream : public MessageStream {
       streams_[part].reset();
       return;
     }
-    message->topic = parts_->parts[part].joined_topics[static_cast<std::size_t>(message->topic)];
+    message->topic = (*parts_)[part].joined_topics[static_cast<std::size_t>(message->topic)];
     message->place.part = part;
     heads_.push({std::move(*message), part});
   }
 
-  std::shared_ptr<const Parts> parts_;
+  std::shared_ptr<const std::vector<Part>> parts_;
   std::vector<bool> wanted_;
   DamageReport finished_;  ///< of parts that came to their end
   mutable DamageReport damage_;
@@ -163,8 +197,7 @@ class JoinedSource : public MessageSource {
       : missing_(missing) {
     format_ = sources.front()->format();
     std::map<std::tuple<std::string, std::string, MessageEncoding>, int> known;
-    auto joined = std::make_shared<Parts>();
-    std::vector<Part>& parts = joined->parts;
+    std::vector<Part> parts;
     for (std::unique_ptr<MessageSource>& source : sources) {
       Part part;
       for (const TopicInfo& topic : source->topics()) {
@@ -182,11 +215,11 @@ class JoinedSource : public MessageSource {
       part.source = std::move(source);
       parts.push_back(std::move(part));
     }
-    joined->are_merged = !WereSetBack(parts);
-    if (joined->are_merged)
-      std::stable_sort(parts.begin(), parts.end(),
-                       [](const Part& a, const Part& b) { return a.begin < b.begin; });
-    parts_ = std::move(joined);
+    FindEpochs(parts);
+    std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
+      return std::pair(a.epoch, a.begin) < std::pair(b.epoch, b.begin);
+    });
+    parts_ = std::make_shared<const std::vector<Part>>(std::move(parts));
   }
 
   const std::vector<TopicInfo>& topics() const override { return topics_; }
@@ -195,8 +228,8 @@ class JoinedSource : public MessageSource {
     return std::make_unique<JoinedStream>(parts_, missing_, wanted);
   }
   std::optional<RawMessage> ReadAt(int topic, const MessagePlace& place) const override {
-    if (place.part >= parts_->parts.size()) return std::nullopt;
-    const Part& part = parts_->parts[place.part];
+    if (place.part >= parts_->size()) return std::nullopt;
+    const Part& part = (*parts_)[place.part];
     const auto own = std::find(part.joined_topics.begin(), part.joined_topics.end(), topic);
     if (own == part.joined_topics.end()) return std::nullopt;
     std::optional<RawMessage> message =
@@ -206,7 +239,7 @@ class JoinedSource : public MessageSource {
   }
 
  private:
-  std::shared_ptr<const Parts> parts_;
+  std::shared_ptr<const std::vector<Part>> parts_;
   std::vector<TopicInfo> topics_;
   std::string format_;
   DamageReport missing_;

@@ -14,7 +14,8 @@ class HeadStream : public MessageStream {
     if (!message) return std::nullopt;
     span_.Include(message->log_time);
     num_bytes_ += message->data.size();
-    is_over_ = span_.Seconds() > limits_.seconds || num_bytes_ > limits_.num_bytes;
+    is_over_ = span_.Seconds() > limits_.seconds ||
+               (num_bytes_ > limits_.num_bytes && span_.Seconds() > limits_.min_seconds);
     return message;
   }
   const DamageReport& damage() const override { return stream_->damage(); }

@@ -9,6 +9,7 @@ namespace parkade {
 /// How much of a log a first look takes in.
 struct HeadLimits {
   double seconds = 20;
+  double min_seconds = 5;                              ///< however many bytes these are
   std::uint64_t num_bytes = std::uint64_t{512} << 20;  ///< of messages
 };
 

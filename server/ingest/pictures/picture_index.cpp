@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 constexpr int kMaxSampleBits = 16;
 
 void Append(const MessagePlace& place, Json& places) {

@@ -4,6 +4,8 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <map>
+#include <set>
 
 #include "core/error.h"
 #include "tests/server/ingest/containers/sample_log.h"
@@ -28,15 +30,18 @@ class OpenMessageSourceTest : public testing::Test {
     std::ofstream(folder_ / name) << text;
   }
 
-  /// Samples [first, last) as an MCAP file, by a clock that is ahead.
+  /// Samples [first, last) of some topics as an MCAP file, by a clock that is ahead.
   void WritePart(const std::string& name, std::size_t first, std::size_t last,
-                 const McapWriterOptions& options = {}, double ahead = 0) const {
+                 const McapWriterOptions& options = {}, double ahead = 0,
+                 const std::set<std::size_t>& topics = {0, 1, 2, 3}) const {
     McapWriter writer(folder_ / name, "ros2", options);
-    for (const SampleTopic& topic : kSampleTopics)
-      writer.AddChannel(topic.topic, topic.type, "", "cdr");
+    std::map<std::size_t, int> channels;
+    for (const std::size_t topic : topics)
+      channels[topic] =
+          writer.AddChannel(kSampleTopics[topic].topic, kSampleTopics[topic].type, "", "cdr");
     for (std::size_t i = first; i < last; ++i)
-      writer.Write(static_cast<int>(SampleMessages()[i].topic), SampleMessages()[i].time + ahead,
-                   SampleMessages()[i].data);
+      if (const SampleMessage& sample = SampleMessages()[i]; topics.contains(sample.topic))
+        writer.Write(channels[sample.topic], sample.time + ahead, sample.data);
     writer.Close();
   }
 
@@ -116,6 +121,25 @@ TEST_F(OpenMessageSourceTest, SplitFilesWhoseClockWasSetBackComeOneAfterTheOther
   WritePart("drive_10.mcap", 500, 710, {}, -2.5);
 
   EXPECT_EQ(ReadSamples(), AllSamples());
+}
+
+TEST_F(OpenMessageSourceTest, SplitFilesOfEachSensorWhoseClockWasSetBackStayTogether) {
+  const std::set<std::size_t> imu = {0, 2}, rest = {1, 3};
+  WritePart("imu_0.mcap", 0, 500, {}, 0, imu);
+  WritePart("imu_1.mcap", 500, 710, {}, -2.5, imu);
+  WritePart("rest_0.mcap", 0, 500, {}, 0, rest);
+  WritePart("rest_1.mcap", 500, 710, {}, -2.5, rest);
+
+  EXPECT_EQ(ReadSamples(), AllSamples());
+}
+
+TEST_F(OpenMessageSourceTest, FilesOfWhichOneIsNotSplitStayMerged) {
+  WritePart("imu_0.mcap", 0, 500, {}, 0, {0, 2});
+  WritePart("imu_1.mcap", 500, 710, {}, -2.5, {0, 2});
+  WritePart("rest.mcap", 0, 710, {}, 0, {1, 3});
+
+  EXPECT_EQ(ReadSamples().size(), 710u);
+  EXPECT_NE(ReadSamples(), AllSamples());
 }
 
 TEST_F(OpenMessageSourceTest, FilesOfTwoRecordersAreMerged) {
