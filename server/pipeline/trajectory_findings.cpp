@@ -158,9 +158,9 @@ std::optional<Finding> VagueFixes(const GnssVerdict& gnss) {
   return Finding{"gnss_vague",
                  Severity::kNote,
                  "",
-                 "GNSS does not tell where on earth the drive is: its " +
+                 "GNSS does not tell where on earth the drive is: its fixes (" +
                      std::to_string(gnss.num_too_vague) +
-                     " fixes are too few, too vague for the way between them, or disagree",
+                     ") are too few, too vague for the way between them, or disagree",
                  "drive farther under open sky, or pin places of the map",
                  {{"num_fixes", static_cast<double>(gnss.num_too_vague)}}};
 }
