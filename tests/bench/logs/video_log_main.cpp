@@ -73,6 +73,9 @@ std::map<int, Video> EncodeAll(const MessageSource& source, const VideoWriterOpt
 
 int Run(const CommandLine& line) {
   const auto source = OpenLogSource(line.log, std::filesystem::temp_directory_path());
+  for (const TopicInfo& topic : source->topics())
+    Require(topic.encoding == MessageEncoding::kCdr, ErrorCode::kInvalidInput,
+            topic.topic + " is not of ROS 2: parkade convert makes the log one");
   std::size_t num_bytes_before = 0, num_bytes = 0;
   VideoWriterOptions options = WithEncoder(line.is_h265 ? "libx265" : "libx264");
   options.rate_factor = line.rate_factor;
