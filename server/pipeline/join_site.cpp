@@ -192,9 +192,9 @@ void PutOnEarth(const BuildContext& context, BuiltMap& built) {
 void WarnOfLosses(const std::vector<DriveInWork>& drives, BuiltMap& built) {
   std::vector<std::string>& warnings = built.warnings;
   for (const LeftOutDrive& drive : built.left_out) {
-    const std::string name = "drive '" + drive.name + "'";
+    const std::string name = "drive '" + drive.name + "'", said = name + ": ";
     warnings.push_back(name + " is left out: " + drive.reason);
-    for (const std::string& warning : drive.warnings) warnings.push_back(name + ": " + warning);
+    for (const std::string& warning : drive.warnings) warnings.push_back(said + warning);
   }
   for (const DriveInWork& drive : drives) {
     const DriveLogHealth health = drive.log->health();
