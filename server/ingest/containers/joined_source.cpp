@@ -32,9 +32,9 @@ bool AreAlike(const Part& a, const Part& b) {
          std::max(a.joined_topics.size(), b.joined_topics.size());
 }
 
-/// What a file holds of a topic in some time: hashes of its messages.
-using Hashes = std::set<std::size_t>;
+using Hashes = std::set<std::size_t>;  ///< of messages
 
+/// What a file holds in some time, by topic, of those that another has too.
 std::map<int, Hashes> HashesIn(const Part& part, const Part& other, const TimeSpan& time) {
   std::vector<bool> wanted;
   for (const int topic : part.joined_topics) wanted.push_back(Holds(other, topic));
@@ -53,7 +53,7 @@ std::map<int, Hashes> HashesIn(const Part& part, const Part& other, const TimeSp
 /// Whether two files that overlap in time hold other messages there, as where the recorder's clock
 /// was set back between them; not the same, as where two recorders ran, nor a lone wrong time.
 bool DifferIn(const TimeSpan& time, const Part& a, const Part& b) {
-  constexpr std::size_t kMinMessages = 5;  // that differ, of a topic
+  constexpr std::size_t kMinMessages = 5;  // of a topic, each unlike the others
   const std::map<int, Hashes> of_a = HashesIn(a, b, time);
   std::map<int, Hashes> of_b = HashesIn(b, a, time);
   int num_other = 0, num_same = 0;  // topics

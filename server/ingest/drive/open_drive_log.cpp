@@ -103,6 +103,19 @@ bool IsUsable(const LogSurvey& survey) {
   return TextsOf(survey.findings, Severity::kUnusable).empty();
 }
 
+/// Throws UnusableLog where the beginning of a log shows that all of it is.
+void RefuseByBeginning(const std::shared_ptr<const MessageSource>& source, const fs::path& name,
+                       OpenLogOptions options) {
+  options.warn = false;
+  try {
+    OpenDriveParts(HeadOf(source, {}), name, options);
+  } catch (const UnusableLog& error) {
+    if (std::any_of(error.findings().begin(), error.findings().end(), IsLasting)) throw;
+  } catch (const Error&) {
+    // The rest may hold what the beginning lacks.
+  }
+}
+
 }  // namespace
 
 Rig FindRig(const MessageSource& source, const fs::path& rig_folder) {
@@ -149,23 +162,6 @@ std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(
     drives.push_back(std::make_unique<FileDrive>(std::move(parts)));
   return drives;
 }
-
-namespace {
-
-/// Throws UnusableLog where the beginning of a log shows that all of it is.
-void RefuseByBeginning(const std::shared_ptr<const MessageSource>& source, const fs::path& name,
-                       OpenLogOptions options) {
-  options.warn = false;
-  try {
-    OpenDriveParts(HeadOf(source, {}), name, options);
-  } catch (const UnusableLog& error) {
-    if (std::any_of(error.findings().begin(), error.findings().end(), IsLasting)) throw;
-  } catch (const Error&) {
-    // The rest may hold what the beginning lacks.
-  }
-}
-
-}  // namespace
 
 std::vector<std::unique_ptr<RecordedDrive>> OpenDriveLogs(const fs::path& log,
                                                           const OpenLogOptions& options) {
