@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/binary_archive.h"
+#include "core/files/binary_archive.h"
 #include "core/rigid3.h"
 #include "core/timestamp.h"
 #include "core/trajectory.h"

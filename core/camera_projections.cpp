@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/error.h"
-#include "core/polynomial.h"
+#include "core/math/polynomial.h"
 
 namespace parkade {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/dual.h"
+#include "core/math/dual.h"
 
 namespace parkade {
 

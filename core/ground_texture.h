@@ -5,7 +5,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "core/file_backed_vector.h"
+#include "core/files/file_backed_vector.h"
 
 namespace parkade {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/file_backed_vector.h"
+#include "core/files/file_backed_vector.h"
 #include "core/surface_class.h"
 
 namespace parkade {

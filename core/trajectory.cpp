@@ -5,9 +5,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/appended_file.h"
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/appended_file.h"
+#include "core/files/file.h"
 
 namespace parkade {
 

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "core/error.h"
-#include "core/for_each_releasing.h"
+#include "core/files/for_each_releasing.h"
 #include "export/geojson.h"
 
 namespace parkade {

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "core/error.h"
-#include "core/fast_floor.h"
+#include "core/math/fast_floor.h"
 
 namespace parkade {
 namespace {

@@ -6,8 +6,8 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "core/fast_floor.h"
-#include "core/for_each_releasing.h"
+#include "core/files/for_each_releasing.h"
+#include "core/math/fast_floor.h"
 #include "export/geojson.h"
 
 namespace parkade {

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/geoid.h"
 #include "core/log.h"
 #include "export/covariance_file.h"

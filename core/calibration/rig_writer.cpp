@@ -4,7 +4,7 @@
 
 #include "core/calibration/rig_fields.h"
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/rig.h"
 
 namespace parkade {

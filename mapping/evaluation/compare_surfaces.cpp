@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/error.h"
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "mapping/evaluation/changed_regions.h"
 #include "mapping/evaluation/height_drift.h"
 #include "mapping/ground/cell_finder.h"

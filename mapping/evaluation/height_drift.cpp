@@ -4,8 +4,8 @@
 #include <climits>
 #include <cmath>
 
-#include "core/fast_floor.h"
-#include "core/statistics.h"
+#include "core/math/fast_floor.h"
+#include "core/math/statistics.h"
 
 namespace parkade {
 namespace {

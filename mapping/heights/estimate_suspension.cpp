@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 
 namespace parkade {
 namespace {

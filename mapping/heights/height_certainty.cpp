@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 
 namespace parkade {
 namespace {

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "core/error.h"
-#include "core/fast_floor.h"
+#include "core/math/fast_floor.h"
+#include "core/math/sparse_cholesky.h"
 #include "core/parallel.h"
-#include "core/sparse_cholesky.h"
 
 namespace parkade {
 namespace {

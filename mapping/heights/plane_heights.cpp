@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/fast_floor.h"
+#include "core/math/fast_floor.h"
 #include "core/parallel.h"
 #include "mapping/ground/isometry_of.h"
 

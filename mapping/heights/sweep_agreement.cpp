@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 
 namespace parkade {
 

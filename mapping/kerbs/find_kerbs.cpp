@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/error.h"
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "mapping/kerbs/kerb_lines.h"
 #include "mapping/kerbs/kerb_looks.h"
 #include "mapping/kerbs/kerb_steps.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/statistics.h"
 #include "core/parallel.h"
-#include "core/statistics.h"
 
 namespace parkade {
 namespace {

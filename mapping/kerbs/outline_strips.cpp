@@ -6,7 +6,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 #include "core/parallel.h"
 #include "mapping/ground/cell_finder.h"
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 
 namespace parkade {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <Eigen/Sparse>
 
-#include "core/decompositions.h"
-#include "core/sparse_cholesky.h"
+#include "core/math/decompositions.h"
+#include "core/math/sparse_cholesky.h"
 
 namespace parkade {
 namespace {

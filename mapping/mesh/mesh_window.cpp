@@ -6,8 +6,8 @@
 #include <map>
 
 #include "core/error.h"
-#include "core/fast_floor.h"
-#include "core/for_each_releasing.h"
+#include "core/files/for_each_releasing.h"
+#include "core/math/fast_floor.h"
 #include "core/parallel.h"
 #include "mapping/ground/cell_finder.h"
 #include "mapping/ground/surface_window.h"

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "mapping/networks/builtin_network.h"
 #include "mapping/networks/network_copies.h"
 #include "mapping/networks/onnx_input_size.h"

@@ -4,7 +4,7 @@
 #include <ranges>
 #include <utility>
 
-#include "core/fast_floor.h"
+#include "core/math/fast_floor.h"
 
 namespace parkade {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/for_each_releasing.h"
+#include "core/files/for_each_releasing.h"
 #include "core/log.h"
 #include "core/parallel.h"
 #include "mapping/baselines/fuse_voxels.h"

@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/fast_floor.h"
+#include "core/math/fast_floor.h"
 
 namespace parkade {
 namespace {

@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "core/fast_floor.h"
+#include "core/math/fast_floor.h"
 #include "core/parallel.h"
 #include "mapping/networks/builtin_network.h"
 #include "mapping/networks/network_copies.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/fast_floor.h"
+#include "core/math/fast_floor.h"
 #include "mapping/surface/deck_rasters.h"
 
 namespace parkade {

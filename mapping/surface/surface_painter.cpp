@@ -6,7 +6,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/fast_floor.h"
+#include "core/math/fast_floor.h"
 #include "core/parallel.h"
 #include "mapping/ground/isometry_of.h"
 #include "mapping/ground/sort_cells.h"

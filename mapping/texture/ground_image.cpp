@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "mapping/ground/image_sampling.h"
 #include "mapping/texture/own_shade.h"
 

@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/trajectory.h"
 #include "export/lanelet2/lanelet2_map.h"
 #include "export/map_projector.h"

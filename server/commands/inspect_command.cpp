@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/commands/commands.h"
 #include "server/ingest/files/remove_at_signal.h"
 #include "server/ingest/inspection/inspect_log.h"

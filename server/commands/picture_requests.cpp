@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/ingest/drive/open_drive_log.h"
 #include "server/ingest/pictures/read_picture.h"
 #include "server/ingest/schemas/mapped_source.h"

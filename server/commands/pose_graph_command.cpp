@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/parallel.h"
 #include "server/commands/commands.h"
 #include "slam/pose_graph/g2o_file.h"

@@ -10,7 +10,7 @@
 
 #include "core/calibration/rig_files.h"
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "mapping/networks/freespace_network.h"
 #include "mapping/observation/segment_image.h"
 #include "server/commands/commands.h"

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/error.h"
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "core/trajectory.h"
 #include "core/yaw.h"
 #include "mapping/evaluation/surface_rise.h"

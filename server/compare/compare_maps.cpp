@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
-#include "core/statistics.h"
+#include "core/files/file.h"
+#include "core/math/statistics.h"
 #include "core/trajectory.h"
 #include "core/yaw.h"
 #include "export/changes.h"

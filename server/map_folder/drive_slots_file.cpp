@@ -1,6 +1,6 @@
 #include "server/map_folder/drive_slots_file.h"
 
-#include "core/binary_archive.h"
+#include "core/files/binary_archive.h"
 
 namespace parkade {
 

@@ -8,7 +8,7 @@
 
 #include "core/binary_serialization.h"
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/log.h"
 
 namespace parkade {

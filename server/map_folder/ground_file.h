@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/sha256.h"
+#include "core/files/sha256.h"
 #include "mapping/ground/patch_source.h"
 #include "mapping/observation/observe_ground.h"
 #include "server/map_folder/ground_codec.h"

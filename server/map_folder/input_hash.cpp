@@ -7,7 +7,7 @@
 #include <map>
 
 #include "core/error.h"
-#include "core/sha256.h"
+#include "core/files/sha256.h"
 #include "server/ingest/files/merge_wal.h"
 
 namespace parkade {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 
 namespace parkade {
 namespace {

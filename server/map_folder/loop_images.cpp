@@ -4,7 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <set>
 
-#include "core/file.h"
+#include "core/files/file.h"
 
 namespace parkade {
 namespace {

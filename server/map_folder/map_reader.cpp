@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "mapping/mesh/read_ply.h"
 #include "server/map_folder/odometry_fingerprint.h"
 #include "server/map_folder/surface_file.h"

@@ -6,9 +6,9 @@
 #include <random>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
+#include "core/files/sha256.h"
 #include "core/log.h"
-#include "core/sha256.h"
 
 namespace parkade {
 namespace {

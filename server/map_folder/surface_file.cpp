@@ -10,10 +10,10 @@
 #include <memory>
 #include <utility>
 
-#include "core/binary_archive.h"
 #include "core/error.h"
-#include "core/file.h"
-#include "core/for_each_releasing.h"
+#include "core/files/binary_archive.h"
+#include "core/files/file.h"
+#include "core/files/for_each_releasing.h"
 
 namespace parkade {
 namespace {

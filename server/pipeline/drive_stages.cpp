@@ -4,10 +4,10 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "core/binary_archive.h"
 #include "core/error.h"
+#include "core/files/binary_archive.h"
+#include "core/files/sha256.h"
 #include "core/options_json.h"
-#include "core/sha256.h"
 #include "mapping/networks/builtin_network.h"
 #include "server/map_folder/heights_file.h"
 #include "slam/georeference/gnss_doubts.h"

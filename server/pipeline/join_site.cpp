@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/binary_archive.h"
+#include "core/files/binary_archive.h"
 #include "core/options_json.h"
 #include "server/pipeline/drive_stages.h"
 #include "server/pipeline/trajectory_findings.h"

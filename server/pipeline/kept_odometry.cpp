@@ -3,10 +3,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
+#include "core/files/sha256.h"
 #include "core/log.h"
 #include "core/options_json.h"
-#include "core/sha256.h"
 #include "core/version.h"
 #include "server/map_folder/odometry_fingerprint.h"
 #include "slam/odometry/odometry_file.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/sha256.h"
+#include "core/files/sha256.h"
 
 namespace parkade {
 namespace {

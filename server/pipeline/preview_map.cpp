@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/log.h"
 #include "export/gltf/move_gltf.h"
 #include "mapping/mesh/deform_mesh.h"

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/options_json.h"
 #include "core/version.h"
 #include "export/markings.h"

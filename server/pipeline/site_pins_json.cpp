@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/geoid.h"
 #include "server/pipeline/site_pins.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/files/sha256.h"
 #include "core/log.h"
-#include "core/sha256.h"
 #include "server/store/access/audit_log.h"
 #include "server/store/disk/durable_file.h"
 #include "server/store/disk/file_sums.h"

@@ -2,8 +2,8 @@
 
 #include "core/calibration/rig_files.h"
 #include "core/error.h"
-#include "core/file.h"
-#include "core/sha256.h"
+#include "core/files/file.h"
+#include "core/files/sha256.h"
 #include "server/store/access/audit_log.h"
 #include "server/store/disk/durable_file.h"
 #include "server/store/tables/names.h"

@@ -4,7 +4,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/utility.hpp>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 #include "slam/places/adjust_to_correspondences.h"
 #include "slam/places/adjust_two_views.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/decompositions.h"
-#include "core/statistics.h"
+#include "core/math/decompositions.h"
+#include "core/math/statistics.h"
 
 namespace parkade {
 namespace {

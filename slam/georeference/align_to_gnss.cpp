@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "slam/georeference/align_points.h"
 #include "slam/georeference/correlated_errors.h"
 #include "slam/georeference/gnss_pairs.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 
 namespace parkade {
 namespace {

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "core/geo.h"
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "slam/georeference/align_points.h"
 #include "slam/georeference/align_to_gnss.h"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 
 namespace parkade {
 namespace {

@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <unordered_map>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 #include "slam/factors/imu_preintegration.h"
 #include "slam/factors/landmark_parameters.h"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/decompositions.h"
-#include "core/statistics.h"
+#include "core/math/decompositions.h"
+#include "core/math/statistics.h"
 #include "slam/factors/landmark_parameters.h"
 #include "slam/initialization/start_linearization.h"
 

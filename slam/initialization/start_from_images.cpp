@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 #include "slam/initialization/start_adjustment.h"
 #include "slam/initialization/start_hypotheses.h"
 #include "slam/initialization/start_motion.h"

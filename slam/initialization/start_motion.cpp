@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 #include "slam/factors/imu_preintegration.h"
 #include "slam/factors/wheel_preintegration.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 
 namespace parkade {
 namespace {

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <memory>
 
-#include "core/appended_file.h"
-#include "core/file.h"
+#include "core/files/appended_file.h"
+#include "core/files/file.h"
 #include "slam/odometry/odometry_serialization.h"
 #include "slam/smoother/drive_measurements.h"
 #include "slam/smoother/measurement_serialization.h"

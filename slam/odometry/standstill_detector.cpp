@@ -5,7 +5,7 @@
 #include <unordered_map>
 
 #include "core/error.h"
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 
 namespace parkade {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 
 namespace parkade {
 namespace {

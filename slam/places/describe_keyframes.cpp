@@ -4,7 +4,7 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 #include "core/parallel.h"
 #include "slam/places/cylinder_view.h"
 #include "slam/places/ground_bev.h"

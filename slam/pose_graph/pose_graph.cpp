@@ -2,8 +2,8 @@
 
 #include <numeric>
 
-#include "core/decompositions.h"
 #include "core/error.h"
+#include "core/math/decompositions.h"
 
 namespace parkade {
 namespace {

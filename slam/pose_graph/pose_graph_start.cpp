@@ -4,7 +4,7 @@
 #include <queue>
 #include <tuple>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 
 namespace parkade {
 namespace {

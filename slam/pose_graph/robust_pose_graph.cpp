@@ -2,9 +2,9 @@
 
 #include <limits>
 
-#include "core/decompositions.h"
 #include "core/error.h"
-#include "core/statistics.h"
+#include "core/math/decompositions.h"
+#include "core/math/statistics.h"
 #include "slam/pose_graph/chi_squared.h"
 #include "slam/pose_graph/join_parts.h"
 #include "slam/pose_graph/loop_support.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 #include "core/parallel.h"
 #include "slam/factors/measurement_model.h"
 #include "slam/factors/triangulate.h"

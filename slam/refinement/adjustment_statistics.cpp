@@ -1,6 +1,6 @@
 #include "slam/refinement/adjustment_statistics.h"
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "slam/factors/imu_cost.h"
 #include "slam/factors/relative_pose_cost.h"
 #include "slam/factors/wheel_cost.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 
 namespace parkade {
 namespace {

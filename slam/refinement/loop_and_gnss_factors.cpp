@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 #include "slam/pose_graph/pose_graph.h"
 
 namespace parkade {

@@ -7,7 +7,7 @@
 #include <unordered_map>
 
 #include "core/error.h"
-#include "core/sparse_cholesky.h"
+#include "core/math/sparse_cholesky.h"
 #include "slam/factors/imu_sensitivity.h"
 #include "slam/factors/landmark_parameters.h"
 #include "slam/factors/linearize_block.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/sparse_cholesky.h"
+#include "core/math/sparse_cholesky.h"
 #include "slam/schur/reduced_matrix.h"
 
 namespace parkade {

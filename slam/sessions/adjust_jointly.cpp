@@ -8,9 +8,9 @@
 #include <cmath>
 #include <optional>
 
-#include "core/decompositions.h"
 #include "core/log.h"
-#include "core/statistics.h"
+#include "core/math/decompositions.h"
+#include "core/math/statistics.h"
 #include "slam/sessions/random_walk_modes.h"
 #include "slam/sessions/session_loop_cost.h"
 

@@ -3,7 +3,7 @@
 #include <map>
 #include <optional>
 
-#include "core/appended_file.h"
+#include "core/files/appended_file.h"
 #include "core/timestamp.h"
 #include "slam/places/rig_keyframe.h"
 

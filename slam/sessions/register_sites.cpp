@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "slam/georeference/align_points.h"
 
 namespace parkade {

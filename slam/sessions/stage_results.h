@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/appended_file.h"
+#include "core/files/appended_file.h"
 #include "slam/loops/close_loops.h"
 #include "slam/refinement/refine_drive.h"
 #include "slam/sessions/session_loops.h"

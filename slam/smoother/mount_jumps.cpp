@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 #include "slam/factors/fit_rotation.h"
 
 namespace parkade {

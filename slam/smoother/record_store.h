@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "core/appended_file.h"
-#include "core/binary_archive.h"
+#include "core/files/appended_file.h"
+#include "core/files/binary_archive.h"
 
 namespace parkade {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 #include "slam/factors/measurement_model.h"
 
 namespace parkade {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 #include "core/rigid3.h"
 
 namespace parkade {

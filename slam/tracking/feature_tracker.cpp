@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.h"
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "slam/tracking/image_pyramid.h"
 #include "slam/tracking/lucas_kanade.h"
 #include "slam/tracking/non_maximum_suppression.h"

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "tests/export/example_map.h"
 
 namespace parkade {

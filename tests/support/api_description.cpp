@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "core/file.h"
+#include "core/files/file.h"
 
 namespace parkade {
 namespace {

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/ingest/drive/open_drive_log.h"
 #include "tests/simulator/drives/simulate_drive.h"
 

@@ -1,6 +1,6 @@
 #include "server/http/access/known_callers.h"
 
-#include "core/sha256.h"
+#include "core/files/sha256.h"
 #include "server/http/access/credentials.h"
 
 namespace parkade {

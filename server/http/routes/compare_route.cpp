@@ -2,7 +2,7 @@
 #include <string>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/http/file_response.h"
 #include "server/http/json_response.h"
 #include "server/http/problem.h"

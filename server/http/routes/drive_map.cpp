@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/map_table.h"
 

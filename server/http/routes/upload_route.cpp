@@ -1,8 +1,8 @@
 #include "server/http/routes/upload_route.h"
 
 #include "core/error.h"
+#include "core/files/sha256.h"
 #include "core/log.h"
-#include "core/sha256.h"
 #include "server/http/json_response.h"
 #include "server/http/problem.h"
 #include "server/http/routes/routes.h"

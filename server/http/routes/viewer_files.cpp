@@ -7,9 +7,9 @@
 #include <array>
 #include <cstring>
 
-#include "core/file.h"
+#include "core/files/file.h"
+#include "core/files/sha256.h"
 #include "core/log.h"
-#include "core/sha256.h"
 #include "server/http/file_response.h"
 #include "server/http/json_view.h"
 #include "server/http/problem.h"

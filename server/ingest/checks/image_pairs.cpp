@@ -3,7 +3,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "server/ingest/checks/image_noise.h"
 
 namespace parkade {

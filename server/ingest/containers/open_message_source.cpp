@@ -8,7 +8,7 @@
 #include <set>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/ingest/containers/chunked_log_source.h"
 #include "server/ingest/containers/damage.h"
 #include "server/ingest/containers/joined_source.h"

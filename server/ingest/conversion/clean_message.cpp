@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/ingest/messages/image_decoding.h"
 #include "server/ingest/messages/message_encoding.h"
 

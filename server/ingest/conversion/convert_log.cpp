@@ -3,7 +3,7 @@
 #include <map>
 
 #include "core/error.h"
-#include "core/file_error.h"
+#include "core/files/file_error.h"
 #include "server/ingest/conversion/clean_log.h"
 #include "server/ingest/conversion/clean_message.h"
 #include "server/ingest/drive/arrival_merger.h"

@@ -3,8 +3,8 @@
 #include <sstream>
 
 #include "core/error.h"
-#include "core/file.h"
-#include "core/statistics.h"
+#include "core/files/file.h"
+#include "core/math/statistics.h"
 #include "server/ingest/files/drive_folder.h"
 #include "server/ingest/files/folder_rows.h"
 

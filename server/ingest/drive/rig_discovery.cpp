@@ -5,7 +5,7 @@
 #include <set>
 
 #include "core/error.h"
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "server/ingest/drive/stream_selection.h"
 #include "server/ingest/messages/camera_info_model.h"
 #include "server/ingest/messages/message_decoding.h"

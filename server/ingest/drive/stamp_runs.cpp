@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/error.h"
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "server/ingest/messages/sensor_decoding.h"
 
 namespace parkade {

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 
 namespace parkade {
 namespace {

@@ -3,7 +3,7 @@
 #include <bitset>
 #include <cmath>
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "server/ingest/inspection/image_history.h"
 
 namespace parkade {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "server/ingest/messages/sensor_decoding.h"
 
 namespace parkade {

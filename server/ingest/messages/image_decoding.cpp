@@ -10,7 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/ingest/messages/jpeg_decoding.h"
 #include "server/ingest/messages/packed_samples.h"
 

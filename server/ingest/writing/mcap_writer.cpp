@@ -2,7 +2,7 @@
 
 #include <zlib.h>
 
-#include "core/file_error.h"
+#include "core/files/file_error.h"
 #include "server/ingest/writing/mcap_records.h"
 
 namespace parkade {

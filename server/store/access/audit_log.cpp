@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/sha256.h"
+#include "core/files/sha256.h"
 #include "server/store/access/caller.h"
 #include "server/store/tables/names.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/sha256.h"
+#include "core/files/sha256.h"
 #include "server/store/tables/names.h"
 
 namespace parkade {

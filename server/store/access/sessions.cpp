@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "core/sha256.h"
+#include "core/files/sha256.h"
 #include "server/store/access/audit_log.h"
 #include "server/store/access/secrets.h"
 #include "server/store/access/shares.h"

@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "core/error.h"
-#include "core/sha256.h"
+#include "core/files/sha256.h"
 #include "server/store/access/audit_log.h"
 #include "server/store/care/stored_files.h"
 #include "server/store/disk/durable_file.h"

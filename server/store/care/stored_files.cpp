@@ -2,9 +2,9 @@
 
 #include <fstream>
 
-#include "core/file.h"
+#include "core/files/file.h"
+#include "core/files/sha256.h"
 #include "core/log.h"
-#include "core/sha256.h"
 #include "server/store/rig_store.h"
 #include "server/store/tables/check_table.h"
 #include "server/store/tables/drive_table.h"

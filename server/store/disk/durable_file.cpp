@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "core/file_error.h"
+#include "core/files/file_error.h"
 #include "server/store/disk/disk_failure.h"
 
 namespace parkade {

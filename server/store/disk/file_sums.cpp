@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/sha256.h"
+#include "core/files/sha256.h"
 
 namespace parkade {
 namespace {

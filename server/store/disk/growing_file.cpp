@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "core/file_error.h"
+#include "core/files/file_error.h"
 #include "server/store/disk/durable_file.h"
 
 namespace parkade {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/files/sha256.h"
 #include "core/log.h"
-#include "core/sha256.h"
 
 namespace parkade {
 namespace {

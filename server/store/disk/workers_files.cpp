@@ -7,7 +7,7 @@
 #include <cerrno>
 
 #include "core/error.h"
-#include "core/file_error.h"
+#include "core/files/file_error.h"
 
 namespace parkade {
 namespace {

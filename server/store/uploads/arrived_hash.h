@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/sha256.h"
+#include "core/files/sha256.h"
 
 namespace parkade {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/options_json.h"
 #include "mapping/evaluation/evaluate_surface.h"
 #include "mapping/mesh/mesh_surface.h"

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/options_json.h"
 #include "mapping/evaluation/evaluate_kerbs.h"
 #include "mapping/kerbs/find_kerbs.h"

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/options_json.h"
 #include "mapping/evaluation/height_raster.h"
 #include "mapping/mesh/read_ply.h"

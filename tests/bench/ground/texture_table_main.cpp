@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/options_json.h"
 #include "export/ortho.h"
 #include "mapping/mesh/mesh_surface.h"

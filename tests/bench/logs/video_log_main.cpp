@@ -18,13 +18,14 @@ namespace parkade {
 namespace {
 
 constexpr const char* kFooter =
-    R"(Writes LOG (ROS 2) anew; its JPEGs become H.264 or H.265, gray, one video per camera. Masks are left out.
+    R"(Writes LOG (ROS 2) anew; its JPEGs become H.264 or H.265, gray, one video per camera, or with --jpeg
+gray JPEGs once more, for comparison. Masks are left out.
 Example: parkade-video-log drive.mcap drive_h264.mcap --rate-factor 23
          parkade map drive_h264.mcap --rig drive.truth/rig --out map --odometry-only)";
 
 struct CommandLine {
   std::filesystem::path log, out;
-  int rate_factor = 23, key_frame_interval = 10;
+  int rate_factor = 23, key_frame_interval = 10, jpeg_quality = 0;
   bool is_h265 = false;
 };
 
@@ -49,8 +50,27 @@ std::vector<bool> Wanted(const std::vector<TopicInfo>& topics, bool only_picture
   return wanted;
 }
 
+std::string FormatOf(const CommandLine& line) {
+  if (line.jpeg_quality > 0) return "jpeg";
+  return line.is_h265 ? "h265" : "h264";
+}
+
+std::vector<std::vector<std::uint8_t>> Encode(const std::vector<cv::Mat>& images,
+                                              const CommandLine& line) {
+  if (line.jpeg_quality == 0) {
+    VideoWriterOptions options = WithEncoder(line.is_h265 ? "libx265" : "libx264");
+    options.rate_factor = line.rate_factor;
+    options.key_frame_interval = line.key_frame_interval;
+    return EncodeVideo(images, options);
+  }
+  std::vector<std::vector<std::uint8_t>> packets(images.size());
+  for (std::size_t i = 0; i < images.size(); ++i)
+    cv::imencode(".jpg", images[i], packets[i], {cv::IMWRITE_JPEG_QUALITY, line.jpeg_quality});
+  return packets;
+}
+
 /// The videos, by topic. The size of the JPEGs is added to `num_bytes`.
-std::map<int, Video> EncodeAll(const MessageSource& source, const VideoWriterOptions& options,
+std::map<int, Video> EncodeAll(const MessageSource& source, const CommandLine& line,
                                std::size_t& num_bytes) {
   std::map<int, Video> videos;
   const auto stream = source.Read(Wanted(source.topics(), true));
@@ -65,7 +85,7 @@ std::map<int, Video> EncodeAll(const MessageSource& source, const VideoWriterOpt
             "an image of " + topic.topic + " cannot be decoded");
   }
   for (auto& [topic, video] : videos) {
-    video.packets = EncodeVideo(video.images, options);
+    video.packets = Encode(video.images, line);
     video.images.clear();
   }
   return videos;
@@ -77,10 +97,7 @@ int Run(const CommandLine& line) {
     Require(topic.encoding == MessageEncoding::kCdr, ErrorCode::kInvalidInput,
             topic.topic + " is not of ROS 2: parkade convert makes the log one");
   std::size_t num_bytes_before = 0, num_bytes = 0;
-  VideoWriterOptions options = WithEncoder(line.is_h265 ? "libx265" : "libx264");
-  options.rate_factor = line.rate_factor;
-  options.key_frame_interval = line.key_frame_interval;
-  std::map<int, Video> videos = EncodeAll(*source, options, num_bytes_before);
+  std::map<int, Video> videos = EncodeAll(*source, line, num_bytes_before);
   McapWriter writer(line.out, "ros2");
   std::vector<int> channels;
   for (const TopicInfo& topic : source->topics()) {
@@ -103,10 +120,10 @@ int Run(const CommandLine& line) {
     const MessageHeader header =
         DecodeCompressedImage(message->data, topic.encoding, topic.type).header;
     writer.Write(channels[index], message->log_time,
-                 EncodeCompressedImage({header, line.is_h265 ? "h265" : "h264", packet}));
+                 EncodeCompressedImage({header, FormatOf(line), packet}));
   }
   writer.Close();
-  std::printf("images took %.1f MB, the video takes %.1f MB\n",
+  std::printf("images took %.1f MB, now they take %.1f MB\n",
               1e-6 * static_cast<double>(num_bytes_before), 1e-6 * static_cast<double>(num_bytes));
   return 0;
 }
@@ -123,6 +140,8 @@ int main(int argc, char** argv) {
   app.add_option("--rate-factor", line.rate_factor, "Constant rate factor")->capture_default_str();
   app.add_option("--key-frames", line.key_frame_interval, "Every so many images")
       ->capture_default_str();
+  app.add_option("--jpeg", line.jpeg_quality, "No video: gray JPEGs of this quality")
+      ->check(CLI::Range(1, 100));
   app.add_flag("--h265", line.is_h265, "Instead of H.264");
   app.footer(kFooter);
   return RunBench(app, argc, argv, 1, [&] { return Run(line); });

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/options_json.h"
 #include "tests/bench/loops/loop_table.h"
 #include "tests/bench/odometry/run_bench.h"

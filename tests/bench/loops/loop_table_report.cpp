@@ -5,7 +5,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 #include "tests/bench/loops/loop_table.h"
 
 namespace parkade {

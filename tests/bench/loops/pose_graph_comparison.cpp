@@ -6,7 +6,7 @@
 #include <ctime>
 #include <iostream>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/parallel.h"
 #include "slam/pose_graph/g2o_file.h"
 #include "slam/pose_graph/optimize_pose_graph.h"

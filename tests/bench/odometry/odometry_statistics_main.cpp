@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/options_json.h"
 #include "tests/bench/odometry/odometry_cases.h"
 #include "tests/bench/odometry/run_bench.h"

@@ -5,7 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/options_json.h"
 #include "tests/bench/odometry/odometry_table_report.h"
 #include "tests/bench/odometry/run_bench.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "mapping/networks/freespace_network.h"
 #include "mapping/networks/level_view.h"
 

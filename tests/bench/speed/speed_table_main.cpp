@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/ingest/drive/open_drive_log.h"
 #include "tests/bench/odometry/run_bench.h"
 #include "tests/bench/speed/run_program.h"

@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/log.h"
 #include "export/gltf/gltf.h"
 #include "export/gltf/move_gltf.h"

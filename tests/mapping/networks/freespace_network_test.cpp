@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/parallel.h"
 #include "tests/mapping/worlds/tiny_onnx.h"
 

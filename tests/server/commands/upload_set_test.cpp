@@ -2,7 +2,7 @@
 #include <cstring>
 #include <thread>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/ingest/files/archive_paths.h"
 #include "server/ingest/files/sniff_log.h"
 #include "server/ingest/inspection/inspect_log.h"

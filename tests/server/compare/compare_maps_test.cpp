@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "core/trajectory.h"
 #include "server/map_folder/stage_cache.h"
 #include "server/map_folder/surface_file.h"

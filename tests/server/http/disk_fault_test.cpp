@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "core/sha256.h"
+#include "core/files/sha256.h"
 #include "tests/server/http/service_process.h"
 
 namespace parkade {

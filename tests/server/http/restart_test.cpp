@@ -5,7 +5,7 @@
 #include <atomic>
 #include <optional>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "tests/server/http/raw_client.h"
 #include "tests/server/http/service_process.h"
 

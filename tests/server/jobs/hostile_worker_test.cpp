@@ -6,7 +6,7 @@
 #include <map>
 #include <thread>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/store/tables/job_table.h"
 #include "tests/server/jobs/running_jobs.h"
 

@@ -5,7 +5,7 @@
 #include <csignal>
 #include <thread>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/log_limit.h"
 #include "server/jobs/worker_process.h"

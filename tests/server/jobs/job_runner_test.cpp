@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/jobs/worker_process.h"
 #include "server/store/job_queue.h"
 #include "server/store/tables/drive_table.h"

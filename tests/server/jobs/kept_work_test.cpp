@@ -1,6 +1,6 @@
 // What an attempt found is there for the next one.
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "tests/server/jobs/running_jobs.h"
 
 namespace parkade {

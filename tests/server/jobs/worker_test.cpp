@@ -6,7 +6,7 @@
 #include <csignal>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/jobs/worker_exit.h"
 #include "server/jobs/worker_process.h"
 #include "tests/server/jobs/walls/walled.h"

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <random>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/map_folder/stage_cache.h"
 #include "tests/server/store/temporary_root.h"
 

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/file.h"
-#include "core/sha256.h"
+#include "core/files/file.h"
+#include "core/files/sha256.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {

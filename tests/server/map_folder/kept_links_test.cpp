@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "slam/sessions/drive_join_json.h"
 #include "slam/sessions/join_drives.h"
 #include "tests/server/store/temporary_root.h"

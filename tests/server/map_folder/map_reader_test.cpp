@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/map_folder/odometry_fingerprint.h"
 #include "tests/server/store/temporary_store.h"
 

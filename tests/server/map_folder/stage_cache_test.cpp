@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {

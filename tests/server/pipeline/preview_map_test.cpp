@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "export/write_site_map.h"
 #include "server/map_folder/stage_cache.h"
 #include "slam/sessions/stage_results.h"

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "export/markings.h"
 #include "server/pipeline/plan_stages.h"
 #include "tests/server/store/temporary_root.h"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {

@@ -1,7 +1,7 @@
 #include "server/store/disk/file_sums.h"
 
-#include "core/file.h"
-#include "core/sha256.h"
+#include "core/files/file.h"
+#include "core/files/sha256.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {

@@ -5,7 +5,7 @@
 #include <random>
 #include <thread>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/store/disk/durable_file.h"
 #include "tests/server/store/temporary_store.h"
 

@@ -1,7 +1,7 @@
 #include "server/store/publish_map.h"
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/store/job_queue.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/job_table.h"

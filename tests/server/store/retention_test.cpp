@@ -3,7 +3,7 @@
 #include <thread>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/store/care/backup.h"
 #include "server/store/review/review.h"
 #include "server/store/review/site_settings.h"

@@ -1,6 +1,6 @@
 #include "server/store/disk/share_files.h"
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "tests/server/store/temporary_store.h"
 
 namespace parkade {

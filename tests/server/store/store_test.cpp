@@ -1,6 +1,6 @@
 #include "server/store/store.h"
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/store/job_queue.h"
 #include "server/store/publish_map.h"
 #include "server/store/rig_store.h"

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "core/sha256.h"
+#include "core/files/sha256.h"
 #include "server/store/receive_upload.h"
 #include "server/store/store.h"
 #include "server/store/temporary_path.h"

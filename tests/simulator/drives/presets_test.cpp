@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "tests/simulator/drives/drive_summary.h"
 #include "tests/simulator/drives/plan_drive.h"
 #include "tests/simulator/drives/run_suite.h"

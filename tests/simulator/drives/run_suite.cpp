@@ -4,7 +4,7 @@
 #include <iomanip>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "tests/simulator/drives/drive_summary.h"
 
 namespace parkade::simulator {

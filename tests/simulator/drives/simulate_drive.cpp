@@ -3,7 +3,7 @@
 #include <chrono>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "tests/simulator/drives/drive_summary.h"
 #include "tests/simulator/drives/record_drive.h"
 #include "tests/simulator/faults/faulty_rig.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 #include "tests/simulator/layouts/buildings.h"
 #include "tests/simulator/vehicle/car_mesh.h"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 #include "tests/simulator/common/random.h"
 #include "tests/simulator/scenes/pedestrian_mesh.h"
 #include "tests/simulator/vehicle/car_mesh.h"

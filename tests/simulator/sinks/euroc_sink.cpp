@@ -6,7 +6,7 @@
 #include <variant>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 
 namespace parkade::simulator {
 namespace {

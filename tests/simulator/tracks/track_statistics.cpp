@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <map>
 
-#include "core/statistics.h"
+#include "core/math/statistics.h"
 
 namespace parkade::simulator {
 namespace {

@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "slam/smoother/drive_measurements.h"
 #include "tests/slam/worlds/estimated_drive.h"
 #include "tests/support/sanitizers.h"

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "slam/factors/relative_pose_cost.h"
 #include "slam/pose_graph/g2o_file.h"
 #include "slam/pose_graph/optimize_pose_graph.h"

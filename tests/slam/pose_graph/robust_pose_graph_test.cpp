@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "slam/pose_graph/g2o_file.h"
 #include "slam/pose_graph/loop_support.h"
 #include "tests/slam/worlds/synthetic_pose_graph.h"

@@ -1,6 +1,6 @@
 #include "server/http/routes/accel_redirect.h"
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "tests/server/http/access/guarded_service.h"
 
 namespace parkade {

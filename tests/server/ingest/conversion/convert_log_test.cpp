@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/ingest/containers/open_message_source.h"
 #include "server/ingest/inspection/inspect_log.h"
 #include "server/ingest/messages/message_decoding.h"

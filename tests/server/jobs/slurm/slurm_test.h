@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/jobs/job_runner.h"
 #include "server/jobs/slurm/slurm_engine.h"
 #include "server/store/tables/job_table.h"

@@ -15,7 +15,7 @@
 #include <functional>
 #include <string>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/jobs/worker_process.h"
 #include "tests/server/store/temporary_store.h"
 #include "tests/support/sanitizers.h"

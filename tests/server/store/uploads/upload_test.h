@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/file.h"
+#include "core/files/file.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/uploads/resumable_uploads.h"
 #include "tests/server/store/temporary_store.h"

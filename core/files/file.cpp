@@ -1,4 +1,4 @@
-#include "core/file.h"
+#include "core/files/file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -7,8 +7,8 @@
 #include <cerrno>
 #include <fstream>
 
-#include "core/appended_file.h"
 #include "core/error.h"
+#include "core/files/appended_file.h"
 
 namespace parkade {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/file_error.h"
+#include "core/files/file_error.h"
 
 namespace parkade {
 

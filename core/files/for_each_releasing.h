@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "core/file_backed_vector.h"
+#include "core/files/file_backed_vector.h"
 
 namespace parkade {
 

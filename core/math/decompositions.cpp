@@ -1,4 +1,4 @@
-#include "core/decompositions.h"
+#include "core/math/decompositions.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

@@ -1,4 +1,4 @@
-#include "core/appended_file.h"
+#include "core/files/appended_file.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -10,7 +10,7 @@
 #include <cstdlib>
 
 #include "core/error.h"
-#include "core/file_error.h"
+#include "core/files/file_error.h"
 
 namespace parkade {
 

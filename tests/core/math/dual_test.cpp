@@ -1,4 +1,4 @@
-#include "core/dual.h"
+#include "core/math/dual.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/appended_file.h"
+#include "core/files/appended_file.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "core/error.h"
-#include "core/file.h"
+#include "core/files/file.h"
 
 namespace parkade {
 namespace {

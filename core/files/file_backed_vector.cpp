@@ -1,4 +1,4 @@
-#include "core/file_backed_vector.h"
+#include "core/files/file_backed_vector.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -7,7 +7,7 @@
 
 #include <new>
 
-#include "core/appended_file.h"
+#include "core/files/appended_file.h"
 
 namespace parkade {
 namespace {

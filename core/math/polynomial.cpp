@@ -1,4 +1,4 @@
-#include "core/polynomial.h"
+#include "core/math/polynomial.h"
 
 #include <cstddef>
 

@@ -1,4 +1,4 @@
-#include "core/sparse_cholesky.h"
+#include "core/math/sparse_cholesky.h"
 
 #include <dlfcn.h>
 

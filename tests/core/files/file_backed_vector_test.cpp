@@ -1,4 +1,4 @@
-#include "core/file_backed_vector.h"
+#include "core/files/file_backed_vector.h"
 
 #include <gtest/gtest.h>
 
