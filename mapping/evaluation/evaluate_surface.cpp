@@ -9,12 +9,10 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "mapping/evaluation/height_calibration.h"
-#include "mapping/evaluation/height_raster.h"
 
 namespace parkade {
 namespace {
 
-constexpr double kMergeGap = 0.1;          // [m] overlapping triangles of one sheet
 constexpr double kMaxAccuracyError = 1.0;  // [m] a sample without truth nearby counts with this
 constexpr double kRampSlope = 0.05;
 constexpr double kSlopeReach = 0.5;  // [m] to each side, over which a slope is measured
@@ -54,83 +52,11 @@ size_t Count(const std::vector<bool>& flags) {
   return static_cast<size_t>(std::count(flags.begin(), flags.end(), true));
 }
 
-/// A surface on its raster, and which of it counts.
-struct ScopedRaster {
-  HeightRaster raster;
-  std::vector<bool> counts;     ///< of samples
-  std::vector<bool> is_unseen;  ///< of samples of the truth: in the scope but for that
-
-  const std::vector<HeightRaster::Sample>& samples() const { return raster.samples(); }
-  int Find(const HeightRaster::Sample& at, double max_gap) const {
-    return raster.Find(at.x, at.y, at.height, max_gap);
-  }
-};
-
-ScopedRaster NearPath(const TriangleMesh& mesh, const SurfaceScope& scope,
-                      const SurfaceEvaluationOptions& options) {
-  ScopedRaster scoped{HeightRaster(mesh, options.sample_spacing, kMergeGap), {}, {}};
-  scoped.counts = scope.path.empty()
-                      ? std::vector<bool>(scoped.samples().size(), true)
-                      : scoped.raster.FindNear(scope.path, options.max_path_distance);
-  return scoped;
-}
-
-/// Leaves unseen truth out, and what was guessed there.
-void LeaveOutUnseen(const SurfaceScope& scope, const SurfaceEvaluationOptions& options,
-                    ScopedRaster& truth, ScopedRaster& estimate) {
-  std::vector<Eigen::Vector3d> points;
-  std::vector<size_t> sample_of;
-  for (size_t i = 0; i < truth.samples().size(); ++i)
-    if (truth.counts[i]) {
-      points.push_back(truth.raster.PointOf(truth.samples()[i]));
-      sample_of.push_back(i);
-    }
-  const std::vector<bool> is_seen = scope.find_seen(points);
-  truth.is_unseen.assign(truth.samples().size(), false);
-  for (size_t k = 0; k < sample_of.size(); ++k) truth.is_unseen[sample_of[k]] = !is_seen[k];
-  for (size_t i = 0; i < truth.samples().size(); ++i)
-    if (truth.is_unseen[i]) truth.counts[i] = false;
-  for (size_t i = 0; i < estimate.samples().size(); ++i) {
-    const int found = truth.Find(estimate.samples()[i], options.max_height_gap);
-    if (found >= 0 && truth.is_unseen[static_cast<size_t>(found)]) estimate.counts[i] = false;
-  }
-}
-
-/// Samples of the rims of both, `width` wide. Where a hole would be outside of the scope or unseen
-/// it would be no outline: what is so near to that counts for neither.
-struct Rims {
-  std::vector<bool> of_truth, of_estimate;
-};
-
-Rims FindRims(const ScopedRaster& truth, const ScopedRaster& estimate, const SurfaceScope& scope,
-              double width, const SurfaceEvaluationOptions& options) {
-  const auto rim_of = [&](const ScopedRaster& scoped) {
-    std::vector<bool> is_rim = scoped.raster.FindRim(width, options.max_height_gap);
-    const std::vector<bool> is_inside =
-        scope.path.empty() ? scoped.counts
-                           : scoped.raster.FindNear(scope.path, options.max_path_distance - width);
-    for (size_t i = 0; i < is_rim.size(); ++i)
-      is_rim[i] = is_rim[i] && scoped.counts[i] && is_inside[i];
-    return is_rim;
-  };
-  Rims rims{rim_of(truth), rim_of(estimate)};
-  if (truth.is_unseen.empty()) return rims;
-  const std::vector<bool> is_near_unseen =
-      truth.raster.Widen(truth.is_unseen, width, options.max_height_gap);
-  for (size_t i = 0; i < is_near_unseen.size(); ++i)
-    if (is_near_unseen[i]) rims.of_truth[i] = false;
-  for (size_t i = 0; i < estimate.samples().size(); ++i) {
-    const int found = truth.Find(estimate.samples()[i], options.max_height_gap);
-    if (found >= 0 && is_near_unseen[static_cast<size_t>(found)]) rims.of_estimate[i] = false;
-  }
-  return rims;
-}
-
 /// Intersection over union of the rims of two surfaces.
-double BoundaryIou(const ScopedRaster& truth, const ScopedRaster& estimate,
-                   const SurfaceScope& scope, double width,
+double BoundaryIou(const ScopedSurfaces& surfaces, double width,
                    const SurfaceEvaluationOptions& options) {
-  const Rims rims = FindRims(truth, estimate, scope, width, options);
+  const auto& [truth, estimate, path] = surfaces;
+  const Rims rims = FindRims(surfaces, width, options);
   size_t both = 0;
   for (size_t i = 0; i < rims.of_estimate.size(); ++i) {
     if (!rims.of_estimate[i]) continue;
@@ -207,24 +133,16 @@ std::optional<double> TrueHeight(const ScopedRaster& truth, const ScopedRaster& 
 
 }  // namespace
 
-void SurfaceEvaluationOptions::Validate() const {
-  Require(sample_spacing > 0 && max_height_gap > 0 && max_completeness_distance > 0 &&
-              boundary_width > 0 && max_path_distance > 0,
-          ErrorCode::kUsage, "the distances of the surface evaluation must be > 0 m");
-}
-
 SurfaceEvaluation EvaluateSurface(const TriangleMesh& truth_mesh, const TriangleMesh& estimate_mesh,
                                   const SurfaceEvaluationOptions& options,
                                   const SurfaceScope& scope) {
-  options.Validate();
-  Require(!truth_mesh.empty(), ErrorCode::kInvalidInput, "the true surface has no triangle");
-  Require(!estimate_mesh.empty(), ErrorCode::kInvalidInput,
-          "the estimated surface has no triangle");
-  ScopedRaster truth = NearPath(truth_mesh, scope, options),
-               estimate = NearPath(estimate_mesh, scope, options);
-  const size_t num_estimated = Count(estimate.counts);
-  if (scope.find_seen) LeaveOutUnseen(scope, options, truth, estimate);
+  return EvaluateSurface(ScopeSurfaces(truth_mesh, estimate_mesh, options, scope), estimate_mesh,
+                         options);
+}
 
+SurfaceEvaluation EvaluateSurface(const ScopedSurfaces& surfaces, const TriangleMesh& estimate_mesh,
+                                  const SurfaceEvaluationOptions& options) {
+  const ScopedRaster &truth = surfaces.truth, &estimate = surfaces.estimate;
   SurfaceEvaluation evaluation;
   CompareCommonGround(truth, estimate, options, evaluation);
   evaluation.beyond_two_sigmas_percent = PercentBeyondTwoSigmas(
@@ -251,16 +169,16 @@ SurfaceEvaluation EvaluateSurface(const TriangleMesh& truth_mesh, const Triangle
   const size_t num_true = Count(truth.counts);
   const double sample_area = options.sample_spacing * options.sample_spacing;
   evaluation.truth_area = sample_area * static_cast<double>(num_true);
-  evaluation.estimate_area = sample_area * static_cast<double>(num_estimated);
+  evaluation.estimate_area = sample_area * static_cast<double>(estimate.num_in_scope);
   evaluation.completeness_percent = Percent(num_found, num_true);
-  evaluation.false_free_percent = Percent(num_false, num_estimated);
+  evaluation.false_free_percent = Percent(num_false, estimate.num_in_scope);
   const size_t either = num_true + num_false;
   evaluation.iou =
       either == 0 ? 0 : static_cast<double>(evaluation.num_samples) / static_cast<double>(either);
-  evaluation.boundary_iou = BoundaryIou(truth, estimate, scope, options.boundary_width, options);
+  evaluation.boundary_iou = BoundaryIou(surfaces, options.boundary_width, options);
   evaluation.relative_boundary_width = RelativeWidth(truth, options);
   evaluation.relative_boundary_iou =
-      BoundaryIou(truth, estimate, scope, evaluation.relative_boundary_width, options);
+      BoundaryIou(surfaces, evaluation.relative_boundary_width, options);
   return evaluation;
 }
 

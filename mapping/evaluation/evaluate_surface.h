@@ -1,48 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
-#include <functional>
 #include <nlohmann/json_fwd.hpp>
-#include <span>
 #include <string>
-#include <vector>
 
 #include "core/triangle_mesh.h"
-#include "mapping/mesh/read_ply.h"
+#include "mapping/evaluation/scoped_surfaces.h"
 
 namespace parkade {
-
-struct SurfaceEvaluationOptions {
-  double sample_spacing = 0.1;  ///< [m] both meshes are compared on a raster this fine
-  double max_height_gap =
-      0.5;  ///< [m] surfaces above each other further apart are not the same ground
-  double max_completeness_distance = 0.2;  ///< [m] truth with an estimate this near counts as found
-  double boundary_width =
-      0.5;  ///< [m] inside their outlines in which the boundary IoU compares the two
-  double max_path_distance =
-      12;  ///< [m] only ground this near the path counts, where a path is given
-
-  template <typename Visitor>
-  void VisitFields(Visitor&& visit) {
-    visit("sample_spacing", sample_spacing);
-    visit("max_height_gap", max_height_gap);
-    visit("max_completeness_distance", max_completeness_distance);
-    visit("boundary_width", boundary_width);
-    visit("max_path_distance", max_path_distance);
-  }
-  void Validate() const;  ///< throws Error{kUsage}
-};
-
-/// Which ground counts. A drive is not blamed for what it never came near, nor for what nothing
-/// could see; the outline of this scope is no outline of the ground.
-struct SurfaceScope {
-  std::span<const Eigen::Vector3d> path =
-      {};  ///< points of the drive: only ground near them; empty: everything
-  /// Which of these points of the true surface were seen as drivable; none: all of them. What was
-  /// not is neither missed nor false, and no rim counts that may be one only because of it.
-  std::function<std::vector<bool>(const std::vector<Eigen::Vector3d>& points)> find_seen = {};
-};
 
 /// All areas are measured on the raster, seen from above; decks count each.
 struct SurfaceEvaluation {
@@ -76,6 +41,10 @@ struct SurfaceEvaluation {
 SurfaceEvaluation EvaluateSurface(const TriangleMesh& truth, const TriangleMesh& estimate,
                                   const SurfaceEvaluationOptions& options = {},
                                   const SurfaceScope& scope = {});
+
+/// The same of rasters that are there already; `estimate_mesh` has the sigmas.
+SurfaceEvaluation EvaluateSurface(const ScopedSurfaces& surfaces, const TriangleMesh& estimate_mesh,
+                                  const SurfaceEvaluationOptions& options);
 
 /// A few aligned lines for people.
 std::string ToText(const SurfaceEvaluation& evaluation);

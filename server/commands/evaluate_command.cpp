@@ -2,13 +2,17 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
+#include "core/files/file.h"
 #include "core/trajectory.h"
 #include "mapping/evaluation/evaluate_kerbs.h"
 #include "mapping/evaluation/evaluate_slots.h"
 #include "mapping/evaluation/evaluate_surface.h"
+#include "mapping/evaluation/surface_picture.h"
 #include "mapping/mesh/read_ply.h"
 #include "mapping/observation/visible_points.h"
 #include "server/commands/commands.h"
@@ -29,9 +33,16 @@ struct EvaluateArguments {
   double within = 0;            ///< [m] of the true path; 0: everywhere
   std::string seen_in, rig;     ///< a log with masks, and the true rig
   std::string slots, map;  ///< true slots (GeoJSON), and the map whose slots are compared with them
+  std::string picture;     ///< PNG of what is wrong about the surface
   std::string kerbs;       ///< true kerbs (GeoJSON), compared with those of `map`
   bool is_json = false;
 };
+
+void WritePicture(const std::string& file, const cv::Mat& picture) {
+  std::vector<unsigned char> png;
+  cv::imencode(".png", picture, png);
+  WriteFileAtomically(file, std::string(png.begin(), png.end()));
+}
 
 /// The surfaces, within the scope that the arguments ask for.
 SurfaceEvaluation EvaluateGround(const EvaluateArguments& arguments,
@@ -60,9 +71,14 @@ SurfaceEvaluation EvaluateGround(const EvaluateArguments& arguments,
       return FindVisiblePoints(points, *log, truth, seen);
     };
   }
-  return EvaluateSurface(ReadPly(arguments.ground),
-                         Transformed(ReadPly(arguments.surface), truth_from_estimate), options,
-                         scope);
+  const TriangleMesh estimate = Transformed(ReadPly(arguments.surface), truth_from_estimate);
+  const ScopedSurfaces surfaces =
+      ScopeSurfaces(ReadPly(arguments.ground), estimate, options, scope);
+  const SurfaceEvaluation evaluation = EvaluateSurface(surfaces, estimate, options);
+  if (!arguments.picture.empty())
+    WritePicture(arguments.picture,
+                 PaintSurfaceErrors(surfaces, evaluation.relative_boundary_width, options));
+  return evaluation;
 }
 
 constexpr double kSlotRange = 8;  // [m] from which a camera may see the lines of a slot
@@ -180,6 +196,10 @@ void AddEvaluateCommand(CLI::App& app, Action& action) {
       "--seen-in", arguments->seen_in,
       "log with masks (<camera>/semantic): true ground that none of them shows within the same "
       "distance (else 12 m) is left out");
+  command->add_option(
+      "--picture", arguments->picture,
+      "PNG of the surface from above, 10 cm to a pixel: gray right, red false, blue "
+      "missed, orange where only one has an outline near");
   command->add_option("--slots", arguments->slots,
                       "true parking slots (GeoJSON); with --seen-in those of which a camera saw a "
                       "meter of both lines "
