@@ -115,21 +115,23 @@ TEST(StartFromImages, StereoStartsWithinASecondAtAnySpeedInAnyBend) {
 }
 
 TEST(StartFromImages, OneCameraAtAKnownHeightStartsOnAStraightRoadAndInBends) {
-  int num_right = 0;
-  for (int k = 0; k < 10; ++k) {
-    const double speed = 15 + 20.0 * k / 9, yaw_rate = (k % 2 == 0 ? 1 : -1) * (k % 4) / 3.0;
+  constexpr int kDrives = 40;
+  int num_right = 0, num_within_sigmas = 0;
+  for (int k = 0; k < kDrives; ++k) {
+    const double speed = 15 + 20.0 * k / (kDrives - 1);
+    const double yaw_rate = (k % 2 == 0 ? 1 : -1) * (k % 4) / 3.0;
     const SampledDrive drive = MakeBendDrive(RoadOptions(k, 2.5, 1), speed, yaw_rate);
     const ImuBuffer imu = BuffersOf(drive).imu;
 
     const auto start = StartOf(drive, imu);
 
     if (!start) continue;
-    EXPECT_NEAR(start->state.velocity_in_odom.norm(), speed, 0.06 * speed) << yaw_rate << " rad/s";
-    EXPECT_LT(std::abs(start->state.velocity_in_odom.norm() - speed),
-              2 * start->uncertainty.velocity);
-    ++num_right;
+    const double error = std::abs(start->state.velocity_in_odom.norm() - speed);
+    if (error < 0.06 * speed) ++num_right;
+    if (error < 2 * start->uncertainty.velocity) ++num_within_sigmas;
   }
-  EXPECT_GE(num_right, 9);
+  EXPECT_GE(num_right, 37);
+  EXPECT_GE(num_within_sigmas, 37);
 }
 
 /// Points that one camera saw, each `depth` [m] below it.
