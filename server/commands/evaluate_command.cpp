@@ -136,6 +136,8 @@ int Evaluate(const EvaluateArguments& arguments) {
   Require(has_trajectories || has_surfaces || has_slots || has_kerbs, ErrorCode::kUsage,
           "evaluate needs --truth with --estimate, --ground with --surface, or --slots or --kerbs "
           "with --map");
+  Require(arguments.picture.empty() || has_surfaces, ErrorCode::kUsage,
+          "--picture needs --ground and --surface");
 
   nlohmann::json json = nlohmann::json::object();
   std::string text;

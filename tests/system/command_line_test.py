@@ -348,6 +348,22 @@ class CommandLine(unittest.TestCase):
         result = json.loads(run("evaluate", "--truth", truth, "--estimate", truth, "--json").stdout)
         self.assertLess(result["trajectory"]["drift_percent"], 1e-6)
 
+    def test_evaluate_paints_where_a_surface_is_wrong(self):
+        header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        header += "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+        for name, width in (("true.ply", 6), ("found.ply", 5)):
+            corners = f"0 0 0\n{width} 0 0\n{width} 4 0\n0 4 0\n"
+            (self.folder / name).write_text(header + corners + "3 0 1 2\n3 0 2 3\n")
+        picture = self.folder / "wrong.png"
+
+        done = run("evaluate", "--ground", self.folder / "true.ply", "--surface", self.folder / "found.ply", "--picture", picture)
+
+        self.assertEqual(done.returncode, 0, done.stderr)
+        png = picture.read_bytes()
+        self.assertEqual(png[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(struct.unpack(">II", png[16:24]), (60, 40), "10 cm to a pixel")
+        self.assertEqual(run("evaluate", "--slots", "x", "--map", "y", "--picture", picture).returncode, 2)
+
 
 if __name__ == "__main__":
     unittest.main()
