@@ -141,7 +141,7 @@ DriveOutcome OutcomeOf(DriveInWork& drive) {
           std::move(drive.diagnostics),
           drive.gnss,
           odometry.keyframes.size(),
-          TrajectoryFindings(odometry.report, drive.agreement, drive.gnss_verdict)};
+          TrajectoryFindings(odometry.report, odometry.rig, drive.agreement, drive.gnss_verdict)};
 }
 
 }  // namespace
@@ -200,9 +200,10 @@ void WarnOfLosses(const std::vector<DriveInWork>& drives, BuiltMap& built) {
     const DriveLogHealth health = drive.log->health();
     const std::string name = "drive '" + drive.log->name() + "': ";
     for (const std::string& warning : health.Warnings()) warnings.push_back(name + warning);
-    for (const std::string& warning : TextsOf(
-             TrajectoryFindings(drive.odometry.value.report, drive.agreement, drive.gnss_verdict),
-             Severity::kWarning))
+    for (const std::string& warning :
+         TextsOf(TrajectoryFindings(drive.odometry.value.report, drive.odometry.value.rig,
+                                    drive.agreement, drive.gnss_verdict),
+                 Severity::kWarning))
       warnings.push_back(name + warning);
     if (health.damage.is_truncated)
       warnings.push_back(name + "the log is cut off; what came after is not in the map");

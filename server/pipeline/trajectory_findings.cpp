@@ -8,6 +8,7 @@ namespace parkade {
 namespace {
 
 constexpr double kSure = 5;  // sigmas
+constexpr double kDegree = 0.017453292519943295;
 
 /// Two cameras or more that are off against the IMU by the same time say that the IMU is.
 std::optional<Finding> ImuDelay(const std::vector<CameraCalibration>& cameras) {
@@ -80,22 +81,65 @@ std::optional<Finding> BlindParts(const OdometryReport& odometry) {
 }
 
 /// A mount of the rig that the drive shows to be another.
-std::optional<Finding> WrongMount(const CameraCalibration& camera) {
-  constexpr double kLargest = 5;  // [deg]
-  constexpr double kDegree = 0.017453292519943295;
-  for (const CalibratedQuantity& quantity : camera.quantities) {
-    const double angle = quantity.change.norm();
-    if (quantity.name != "rotation" || quantity.status == CalibratedQuantity::Status::kKept ||
-        angle < std::max(kLargest * kDegree, kSure * quantity.sigma.minCoeff()))
-      continue;
-    return WarningOf("mount_off",
-                     "camera " + camera.name +
-                         FormatText(" looks %.0f degrees beside where the rig says, as it seems",
-                                    angle / kDegree),
-                     "calibrate the rig again; images may be cropped, too",
-                     {{"angle_deg", angle / kDegree}});
+struct WrongMount {
+  std::string camera;
+  Eigen::Vector3d turn_in_body;  ///< [rad]
+};
+
+std::vector<WrongMount> WrongMounts(const OdometryReport& odometry, const Rig& rig) {
+  constexpr double kLargest = 5 * kDegree;
+  std::vector<WrongMount> mounts;
+  for (const CameraCalibration& calibration : odometry.calibration)
+    for (const CalibratedQuantity& quantity : calibration.quantities) {
+      if (quantity.name != "rotation" || quantity.status == CalibratedQuantity::Status::kKept ||
+          quantity.change.norm() < std::max(kLargest, kSure * quantity.sigma.minCoeff()))
+        continue;
+      for (const RigCamera& camera : rig.cameras)
+        if (camera.name == calibration.name)
+          mounts.push_back(
+              {camera.name, camera.body_from_camera.rotation * quantity.change.head<3>()});
+    }
+  return mounts;
+}
+
+/// All cameras, two or more, that are turned alike say that the IMU is.
+std::optional<Finding> TurnedImu(const std::vector<WrongMount>& mounts, std::size_t num_cameras) {
+  constexpr double kMaxSpread = 0.4;  // of the turn
+  if (mounts.size() < 2 || mounts.size() < num_cameras) return std::nullopt;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const WrongMount& mount : mounts)
+    mean += mount.turn_in_body / static_cast<double>(mounts.size());
+  for (const WrongMount& mount : mounts)
+    if ((mount.turn_in_body - mean).norm() > kMaxSpread * mean.norm()) return std::nullopt;
+  int axis = 0;
+  mean.cwiseAbs().maxCoeff(&axis);
+  static constexpr const char* kAxes[] = {"rolled", "pitched", "yawed"};
+  return WarningOf(
+      "imu_turned",
+      std::string("the IMU sits ") + kAxes[axis] +
+          FormatText(" by %.0f degrees or more against all cameras and the car: the "
+                     "map may be wrong",
+                     mean.norm() / kDegree),
+      "correct T_imu_body in vehicle.yaml and T_cam_imu of all cameras, or mount it as "
+      "they say",
+      {{"angle_deg", mean.norm() / kDegree}});
+}
+
+void AddWrongMounts(const OdometryReport& odometry, const Rig& rig,
+                    std::vector<Finding>& findings) {
+  const std::vector<WrongMount> mounts = WrongMounts(odometry, rig);
+  if (std::optional<Finding> imu = TurnedImu(mounts, rig.cameras.size())) {
+    findings.push_back(std::move(*imu));
+    return;
   }
-  return std::nullopt;
+  for (const WrongMount& mount : mounts) {
+    const double angle = mount.turn_in_body.norm() / kDegree;
+    findings.push_back(WarningOf(
+        "mount_off",
+        "camera " + mount.camera +
+            FormatText(" looks %.0f degrees beside where the rig says, as it seems", angle),
+        "calibrate the rig again; images may be cropped, too", {{"angle_deg", angle}}));
+  }
 }
 
 /// An accelerometer that is so far off that without wheels nobody can tell whether it is by its
@@ -167,7 +211,7 @@ std::optional<Finding> VagueFixes(const GnssVerdict& gnss) {
 
 }  // namespace
 
-std::vector<Finding> TrajectoryFindings(const OdometryReport& odometry,
+std::vector<Finding> TrajectoryFindings(const OdometryReport& odometry, const Rig& rig,
                                         const SensorAgreement& agreement, const GnssVerdict& gnss) {
   constexpr double kManyImages = 0.2;  // share of a camera's
   std::vector<Finding> findings;
@@ -201,7 +245,7 @@ std::vector<Finding> TrajectoryFindings(const OdometryReport& odometry,
   add(VagueFixes(gnss));
   add(Contradiction(odometry.cameras));
   add(BlindParts(odometry));
-  for (const CameraCalibration& camera : odometry.calibration) add(WrongMount(camera));
+  AddWrongMounts(odometry, rig, findings);
   add(WrongForces(odometry));
   // By wrong turns cameras seem to be elsewhere, too.
   const std::optional<Finding> turns = WrongTurns(agreement);

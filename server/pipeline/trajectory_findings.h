@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/rig.h"
 #include "server/ingest/checks/finding.h"
 #include "slam/odometry/odometry_result.h"
 #include "slam/refinement/sensor_agreement.h"
@@ -16,7 +17,8 @@ struct GnssVerdict {
 };
 
 /// What is wrong with a drive's sensors, as its trajectory tells.
-std::vector<Finding> TrajectoryFindings(const OdometryReport& odometry,
+/// \param rig  of the drive; its cameras are those of the report
+std::vector<Finding> TrajectoryFindings(const OdometryReport& odometry, const Rig& rig,
                                         const SensorAgreement& agreement, const GnssVerdict& gnss);
 
 }  // namespace parkade

@@ -23,6 +23,7 @@ constexpr double kDirectionFloor = 5e-3;     // [rad]
 constexpr double kMaxDirectionSigma = 0.05;  // [rad]
 constexpr double kLeastNoise = 0.1;          // of what the tracker declares
 constexpr size_t kMinRows = 5;
+const double kOverlap = std::sqrt(2.0);  // of sigmas: each moment lies in two stretches
 
 /// One equation design . unknowns = error, of known sigma.
 template <int N>
@@ -104,14 +105,15 @@ class Comparison {
     if (turns_.size() >= kMinRows) {
       const Solution<3> turns = Solve<3>(turns_, {1, 0.1, 0.003});
       agreement.turn_gain = turns.value[0];
-      agreement.turn_gain_sigma = turns.sigma[0];
+      agreement.turn_gain_sigma = kOverlap * turns.sigma[0];
       agreement.turn_delay = turns.value[1];
-      agreement.turn_delay_sigma = turns.sigma[1];
+      agreement.turn_delay_sigma = kOverlap * turns.sigma[1];
     }
     for (size_t camera = 0; camera < of_camera_.size(); ++camera) {
       if (of_camera_[camera].size() < kMinRows) continue;
       const Solution<2> lead = Solve<2>(of_camera_[camera], {2, 0.05});
-      agreement.leads.push_back({rig_.cameras[camera].name, lead.value[0], lead.sigma[0]});
+      agreement.leads.push_back(
+          {rig_.cameras[camera].name, lead.value[0], kOverlap * lead.sigma[0]});
     }
     return agreement;
   }
@@ -237,8 +239,7 @@ class Comparison {
   std::vector<std::vector<Row<2>>> of_camera_;  ///< lead, angle of the mount
 };
 
-/// The stretches of the drive in which the car turns most. They overlap by half, so that sigmas may
-/// be a third too small.
+/// The stretches of the drive in which the car turns most. They overlap by half (kOverlap).
 std::vector<Timestamp> StretchesWithTurns(const Trajectory& odom_from_body) {
   struct Stretch {
     Timestamp begin;

@@ -62,7 +62,8 @@ std::vector<Finding> ImuChecks::Findings(const std::string& topic,
   // What one of these finds explains what the next would find.
   const std::vector<Finding> of_readings = readings_.Findings(wheels.Length());
   const bool is_wrong = add(CheckHalves(wheels)) || HasUnusable(of_readings) ||
-                        add(CheckAccelerations()) || add(CheckGravity(wheels));
+                        add(CheckChange()) || add(CheckAccelerations()) ||
+                        add(CheckGravity(wheels));
   if (!add(CheckRates(wheels)) && !is_wrong) add(CheckHeading(wheels));
   findings.insert(findings.end(), of_readings.begin(), of_readings.end());
   add(CheckStuck(wheels));
@@ -99,6 +100,39 @@ std::optional<Finding> ImuChecks::CheckHalves(const SpeedHistory& wheels) const 
         {{"share_without_acceleration", without_acceleration},
          {"share_without_rate", without_rate}});
   return std::nullopt;
+}
+
+std::optional<Finding> ImuChecks::CheckChange() const {
+  constexpr double kLargestRatio = 1.25;
+  constexpr std::size_t kMinPart = 20, kMaxSplits = 40;  // bins
+  if (!rig_.vehicle || bins_.size() < 2 * kMinPart) return std::nullopt;
+  std::vector<double> norms;
+  for (const Bin& bin : bins_) norms.push_back((bin.acceleration / bin.count).norm());
+  const auto median_of = [&](std::size_t begin, std::size_t end) {
+    return Median(std::vector<double>(norms.begin() + static_cast<std::ptrdiff_t>(begin),
+                                      norms.begin() + static_cast<std::ptrdiff_t>(end)));
+  };
+  // Where two medians fit best, if they are far apart.
+  double least = INFINITY, before = 0, behind = 0;
+  Timestamp change = bins_.front().begin;
+  const std::size_t step = 1 + bins_.size() / kMaxSplits;
+  for (std::size_t split = kMinPart; split + kMinPart <= bins_.size(); split += step) {
+    const double first = median_of(0, split), second = median_of(split, bins_.size());
+    double off = 0;
+    for (std::size_t i = 0; i < norms.size(); ++i)
+      off += std::abs(norms[i] - (i < split ? first : second));
+    if (off >= least) continue;
+    least = off, before = first, behind = second;
+    change = bins_[split].begin;
+  }
+  if (std::max(before, behind) <= kLargestRatio * std::min(before, behind)) return std::nullopt;
+  const double seconds = change - bins_.front().begin;
+  return UnusableOf("imu_changes",
+                    FormatText("reads %.3g m/s2 for %.0f s and %.3g m/s2 from there on, where "
+                               "gravity alone makes 9.8",
+                               before, seconds, behind),
+                    "find what its driver changed there, and map both parts on their own",
+                    {{"before_m_s2", before}, {"behind_m_s2", behind}, {"at_s", seconds}});
 }
 
 std::optional<Finding> ImuChecks::CheckAccelerations() const {

@@ -46,6 +46,8 @@ class ImuChecks {
     Eigen::Vector3f acceleration = Eigen::Vector3f::Zero();  ///< [m/s^2] alike
   };
   std::optional<Finding> CheckHalves(const SpeedHistory& wheels) const;
+  /// Whether accelerations are of another size from some moment on.
+  std::optional<Finding> CheckChange() const;
   std::optional<Finding> CheckAccelerations() const;
   std::optional<Finding> CheckGravity(const SpeedHistory& wheels) const;
   std::optional<Finding> CheckRates(const SpeedHistory& wheels) const;

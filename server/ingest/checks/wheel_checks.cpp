@@ -5,6 +5,8 @@
 #include <set>
 #include <string>
 
+#include "core/math/statistics.h"
+
 namespace parkade {
 namespace {
 
@@ -91,6 +93,33 @@ double SecondsStuck(const SpeedHistory& wheels) {
   return never_repeats ? stuck : 0;
 }
 
+/// [m/s] below which wheels say 0, as encoders that count too few pulses do; 0 where they do not.
+/// All such wheels leap between 0 and that speed, however slowly the car starts and stops.
+double BlindSpeed(const SpeedHistory& wheels) {
+  constexpr double kSmallest = 0.2;     // [m/s]
+  constexpr double kMaxSpread = 0.3;    // of leaps, as a share of the least speed
+  constexpr double kMaxStep = 0.1;      // [s] between the samples of a leap
+  constexpr double kMinStanding = 0.3;  // [s] of 0 before or behind it
+  const std::vector<WheelSample>& samples = wheels.samples();
+  double least = INFINITY;
+  for (const WheelSample& sample : samples)
+    if (sample.forward_speed != 0) least = std::min(least, std::abs(sample.forward_speed));
+  if (!std::isfinite(least) || least < kSmallest) return 0;
+  std::vector<double> leaps;
+  for (std::size_t begin = 0, end = 1; begin < samples.size(); begin = end++) {
+    if (samples[begin].forward_speed != 0) continue;
+    while (end < samples.size() && samples[end].forward_speed == 0) ++end;
+    if (samples[end - 1].time - samples[begin].time < kMinStanding) continue;
+    const auto include = [&](const WheelSample& still, const WheelSample& moving) {
+      if (std::abs(moving.time - still.time) < kMaxStep)
+        leaps.push_back(std::abs(moving.forward_speed));
+    };
+    if (begin > 0) include(samples[begin], samples[begin - 1]);
+    if (end < samples.size()) include(samples[end - 1], samples[end]);
+  }
+  return !leaps.empty() && Median(leaps) < (1 + kMaxSpread) * least ? least : 0;
+}
+
 }  // namespace
 
 std::optional<Finding> CheckSpeeds(const SpeedHistory& wheels, const std::string& topic) {
@@ -110,6 +139,16 @@ std::optional<Finding> CheckSpeeds(const SpeedHistory& wheels, const std::string
   double step = INFINITY;
   for (auto it = std::next(distinct.begin()); it != distinct.end(); ++it)
     step = std::min(step, *it - *std::prev(it));
+  if (const double blind = BlindSpeed(wheels); blind > 0 && step < kCoarse)
+    return Finding{kWheelsAreBlind,
+                   Severity::kWarning,
+                   topic,
+                   "the wheels " + topic +
+                       FormatText(" say 0 m/s whenever the car is slower than %.2g m/s, and are "
+                                  "left out",
+                                  blind),
+                   "record encoders that count at any speed, or no speed where they count none",
+                   {{"least_speed_m_s", blind}}};
   if (step < kCoarse) return std::nullopt;
   return Finding{kWheelsAreCoarse,
                  Severity::kWarning,

@@ -10,13 +10,15 @@
 
 namespace parkade {
 
-// Names of findings about wheels. Those that are zero or coarse are left out.
+// Names of findings about wheels. Those that are zero, coarse, blind or stick are left out.
 inline constexpr const char* kWheelsAreZero = "wheels_zero";
 inline constexpr const char* kWheelsAreCoarse = "wheels_coarse";
+inline constexpr const char* kWheelsAreBlind = "wheels_blind";
 inline constexpr const char* kWheelsStick = "wheels_stick";
 inline constexpr const char* kWheelsLate = "wheels_late";
 
-/// That wheels say 0 m/s from beginning to end, or come in steps too coarse to be worth anything.
+/// That wheels say 0 m/s from beginning to end or below some speed, or come in steps too coarse to
+/// be worth anything.
 std::optional<Finding> CheckSpeeds(const SpeedHistory& wheels, const std::string& topic);
 
 /// That wheels repeat one speed to the last bit while others never do, or say that the car stands

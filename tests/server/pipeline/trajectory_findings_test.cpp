@@ -16,9 +16,20 @@ OdometryReport ReportWith(const std::vector<double>& offsets) {
   return report;
 }
 
+/// Its cameras, each turned by another angle about the car's vertical axis.
+Rig RigOf(const OdometryReport& report) {
+  Rig rig;
+  for (const CameraCalibration& camera : report.calibration) {
+    rig.cameras.emplace_back().name = camera.name;
+    rig.cameras.back().body_from_camera.rotation =
+        ExpSo3({0, 0, static_cast<double>(rig.cameras.size())});
+  }
+  return rig;
+}
+
 TEST(TrajectoryFindings, CamerasThatAreOffByTheSameShowADelayOfTheImu) {
   const std::vector<Finding> findings =
-      TrajectoryFindings(ReportWith({0.041, 0.038, 0.040}), {}, {});
+      TrajectoryFindings(ReportWith({0.041, 0.038, 0.040}), {}, {}, {});
 
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].name, "imu_delay");
@@ -30,19 +41,20 @@ TEST(TrajectoryFindings, CamerasThatAreOffByTheSameShowADelayOfTheImu) {
 }
 
 TEST(TrajectoryFindings, CamerasThatDifferOrAreOneOrHardlyOffShowNone) {
-  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.041, 0.002}), {}, {}).empty());
-  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.040}), {}, {}).empty());
-  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.006, 0.006}), {}, {}).empty());
+  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.041, 0.002}), {}, {}, {}).empty());
+  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.040}), {}, {}, {}).empty());
+  EXPECT_TRUE(TrajectoryFindings(ReportWith({0.006, 0.006}), {}, {}, {}).empty());
   OdometryReport kept = ReportWith({0.04, 0.04});
   kept.calibration[1].quantities[0].status = CalibratedQuantity::Status::kKept;
-  EXPECT_TRUE(TrajectoryFindings(kept, {}, {}).empty());
+  EXPECT_TRUE(TrajectoryFindings(kept, {}, {}, {}).empty());
 }
 
 TEST(TrajectoryFindings, WhatIsLeftOutIsSaid) {
   OdometryReport report;
   report.wheels_left_out = "are in km/h";
 
-  const std::vector<Finding> findings = TrajectoryFindings(report, {}, {.doubt = "jump by 30 m"});
+  const std::vector<Finding> findings =
+      TrajectoryFindings(report, RigOf(report), {}, {.doubt = "jump by 30 m"});
 
   ASSERT_EQ(findings.size(), 2u);
   EXPECT_EQ(findings[0].sentence, "the wheels are left out: they are in km/h");
@@ -61,17 +73,17 @@ TEST(TrajectoryFindings, CamerasThatDoNotFitThePathAreNamed) {
   OdometryReport report;
   report.cameras = {SeenWith("cam0", 0.3), SeenWith("cam1", 2.5), SeenWith("cam2", 0.6)};
 
-  const std::vector<Finding> one = TrajectoryFindings(report, {}, {});
+  const std::vector<Finding> one = TrajectoryFindings(report, RigOf(report), {}, {});
   ASSERT_EQ(one.size(), 1u);
   EXPECT_EQ(one[0].name, "cameras_contradict_path");
   EXPECT_NE(one[0].sentence.find("what cam1 sees does not move"), std::string::npos);
 
   report.cameras[1].frames_used = 0;
-  EXPECT_TRUE(TrajectoryFindings(report, {}, {}).empty()) << "it was left out";
+  EXPECT_TRUE(TrajectoryFindings(report, RigOf(report), {}, {}).empty()) << "it was left out";
 
   report.cameras[1].frames_used = 100;
   report.cameras[0].noise_scale = 4;
-  const std::vector<Finding> most = TrajectoryFindings(report, {}, {});
+  const std::vector<Finding> most = TrajectoryFindings(report, RigOf(report), {}, {});
   ASSERT_EQ(most.size(), 1u);
   EXPECT_NE(most[0].sentence.find("cam0 and cam1 see fits no path"), std::string::npos)
       << most[0].sentence;
@@ -82,10 +94,10 @@ TEST(TrajectoryFindings, LongPartsWithoutImagesAreSaid) {
   const std::string blind = std::string(kNoCamera) + "; the IMU alone carries on";
   OdometryReport report;
   report.degraded = {{begin, begin + 0.1, blind}, {begin + 9.0, begin + 12.0, "the wheels"}};
-  EXPECT_TRUE(TrajectoryFindings(report, {}, {}).empty());
+  EXPECT_TRUE(TrajectoryFindings(report, RigOf(report), {}, {}).empty());
 
   report.degraded.push_back({begin + 20.0, begin + 23.5, blind});
-  const std::vector<Finding> findings = TrajectoryFindings(report, {}, {});
+  const std::vector<Finding> findings = TrajectoryFindings(report, RigOf(report), {}, {});
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].sentence,
             "no camera sees anything for 3.5 s: the IMU alone tells the path there");
@@ -100,27 +112,53 @@ TEST(TrajectoryFindings, MountsThatAreFarOffAreSaid) {
   using Status = CalibratedQuantity::Status;
   OdometryReport report;
   report.calibration = {mount(2, Status::kRefined), mount(12, Status::kKept)};
-  EXPECT_TRUE(TrajectoryFindings(report, {}, {}).empty());
+  EXPECT_TRUE(TrajectoryFindings(report, RigOf(report), {}, {}).empty());
 
   report.calibration = {mount(12, Status::kPartlyRefined)};
-  const std::vector<Finding> findings = TrajectoryFindings(report, {}, {});
+  const std::vector<Finding> findings = TrajectoryFindings(report, RigOf(report), {}, {});
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_NE(findings[0].sentence.find("cam1 looks 12 degrees beside"), std::string::npos);
+}
+
+TEST(TrajectoryFindings, CamerasThatAreAllTurnedAlikeShowATurnedImu) {
+  OdometryReport report;
+  for (const char* name : {"cam0", "cam1", "cam2"})
+    report.calibration.push_back(
+        {name,
+         {{"rotation", Eigen::VectorXd::Zero(3), Eigen::Vector3d::Constant(0.002),
+           CalibratedQuantity::Status::kRefined}}});
+  const Rig rig = RigOf(report);
+  const auto turn = [&](std::size_t camera, const Eigen::Vector3d& in_body) {
+    report.calibration[camera].quantities[0].change =
+        rig.cameras[camera].body_from_camera.rotation.conjugate() * in_body;
+  };
+  for (std::size_t i = 0; i < 3; ++i) turn(i, {0.01 * static_cast<double>(i), 0, 0.14});
+
+  const std::vector<Finding> alike = TrajectoryFindings(report, rig, {}, {});
+  ASSERT_EQ(alike.size(), 1u);
+  EXPECT_EQ(alike[0].name, "imu_turned");
+  EXPECT_NE(alike[0].sentence.find("the IMU sits yawed by 8 degrees"), std::string::npos)
+      << alike[0].sentence;
+
+  turn(1, {0.14, 0, 0});
+  EXPECT_EQ(TrajectoryFindings(report, rig, {}, {}).size(), 3u) << "each on its own";
+  turn(1, {0, 0, 0});
+  EXPECT_EQ(TrajectoryFindings(report, rig, {}, {}).size(), 2u) << "not all";
 }
 
 TEST(TrajectoryFindings, AnAccelerometerThatIsFarOffIsSaidWhereNoWheelsTellTheScale) {
   OdometryReport report;
   report.accelerometer_bias = {0.1, -0.1, 0.15};
-  EXPECT_TRUE(TrajectoryFindings(report, {}, {}).empty());
+  EXPECT_TRUE(TrajectoryFindings(report, RigOf(report), {}, {}).empty());
 
   report.accelerometer_bias.z() = 0.36;
-  const std::vector<Finding> findings = TrajectoryFindings(report, {}, {});
+  const std::vector<Finding> findings = TrajectoryFindings(report, RigOf(report), {}, {});
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].sentence,
             "the IMU's accelerations are off by 0.39 m/s2: if it is a matter of their scale, the "
             "path's is off by 3.9 %");
   report.has_wheels = true;
-  EXPECT_TRUE(TrajectoryFindings(report, {}, {}).empty());
+  EXPECT_TRUE(TrajectoryFindings(report, RigOf(report), {}, {}).empty());
 }
 
 TEST(TrajectoryFindings, TurnsThatCamerasDoNotSeeAreSaid) {
@@ -151,7 +189,7 @@ TEST(TrajectoryFindings, TurnsThatCamerasDoNotSeeAreSaid) {
 
 TEST(TrajectoryFindings, TheCameraThatIsOffTheMostIsNamed) {
   const auto findings_of = [](const std::vector<CameraLead>& leads) {
-    return TrajectoryFindings({}, {.leads = leads}, {});
+    return TrajectoryFindings({}, {}, {.leads = leads}, {});
   };
   EXPECT_TRUE(findings_of({{"cam0", 0.2, 0.01}, {"cam1", 0.8, 0.3}}).empty());
   const std::vector<Finding> findings =
@@ -162,7 +200,7 @@ TEST(TrajectoryFindings, TheCameraThatIsOffTheMostIsNamed) {
 }
 
 TEST(TrajectoryFindings, FixesThatTellNoPlaceAreANote) {
-  const std::vector<Finding> findings = TrajectoryFindings({}, {}, {.num_too_vague = 12});
+  const std::vector<Finding> findings = TrajectoryFindings({}, {}, {}, {.num_too_vague = 12});
 
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].name, "gnss_vague");

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <random>
 
 namespace parkade {
 namespace {
@@ -55,6 +56,18 @@ TEST(WheelAgreement, NamesWhatWheelsLookLike) {
               return SpeedAt(t) * std::cos(0.3 * t * SpeedAt(t));
             }).find("contradict the motion"),
             std::string::npos);
+}
+
+TEST(WheelAgreement, KnowsSpeedsThatAreOffALittleForLong) {
+  const auto changed = Compare([](double t) { return (t < 10 ? 1 : 1.08) * SpeedAt(t); });
+  EXPECT_FALSE(changed.Fits());
+  EXPECT_NE(changed.Doubt().find("contradict the motion"), std::string::npos) << changed.Doubt();
+  EXPECT_FALSE(Compare([](double t) { return 0.5 + SpeedAt(t); }).Fits());
+
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 0.1);
+  const auto noisy = Compare([&](double t) { return SpeedAt(t) + noise(random); });
+  EXPECT_TRUE(noisy.Fits()) << noisy.lasting_error << " m/s: noise does not last";
 }
 
 TEST(WheelAgreement, KnowsADelay) {

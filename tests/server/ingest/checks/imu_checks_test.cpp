@@ -271,6 +271,40 @@ TEST(LogChecks, KnowWheelsOfTheDashboard) {
             kWheelsAreCoarse);
 }
 
+TEST(LogChecks, KnowWheelsThatAreBlindToSlowness) {
+  const auto below = [](double least) {
+    return NamesOf(Check({.alter_wheels = [least](WheelSample& wheels) {
+      const double speed = 3 * std::max(0.0, std::sin(0.8 * (wheels.time - kBegin)));
+      wheels.forward_speed = speed < least ? 0 : speed;
+    }}));
+  };
+  EXPECT_EQ(below(0.5), kWheelsAreBlind);
+  EXPECT_EQ(below(2), kWheelsAreBlind);
+  EXPECT_EQ(below(0.05), "");
+  EXPECT_EQ(NamesOf(Check({.alter_wheels =
+                               [](WheelSample& wheels) {
+                                 const double seconds = wheels.time - kBegin;
+                                 if (seconds > 5 && seconds < 6) wheels.forward_speed = 0;
+                                 if (seconds < 3) wheels.forward_speed = 1 + 0.5 * seconds;
+                               }})),
+            "")
+      << "a second without wheels is something else";
+}
+
+TEST(LogChecks, KnowAccelerationsThatChangeTheirUnit) {
+  const auto from = [](int first, double scale) {
+    return NamesOf(CheckImu([=](ImuSample& sample, int i) {
+      if (i >= first) sample.linear_acceleration *= scale;
+    }));
+  };
+  for (const int first : {600, 2000, 3400}) {
+    EXPECT_EQ(from(first, 1 / 9.81), "imu_changes") << first;
+    EXPECT_EQ(from(first, 1.5), "imu_changes") << first;
+  }
+  EXPECT_EQ(from(2000, 1.03), "");
+  EXPECT_EQ(from(0, 1 / 9.81), "imu_in_g");
+}
+
 TEST(LogChecks, KnowWheelsThatStick) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0, 0.01);
