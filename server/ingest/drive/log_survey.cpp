@@ -186,7 +186,8 @@ LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> strea
       survey.reorder_window = std::min(
           kMaxReorderWindow, survey.reorder_window + std::abs(finding.evidence.at(kDelay)));
     if (finding.name == kWheelsAreZero || finding.name == kWheelsAreCoarse ||
-        finding.name == kWheelsAreBlind || finding.name == kWheelsStick || finding.name == kGnssIsFrozen)
+        finding.name == kWheelsAreBlind || finding.name == kWheelsStick ||
+        finding.name == kGnssIsFrozen)
       LeaveOut([&](const SensorStream& stream) { return stream.topic_name == finding.topic; },
                survey);
     if (finding.name == kCameraContradicts)

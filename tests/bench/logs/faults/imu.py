@@ -236,3 +236,21 @@ def _(log):
     for r in samples[middle:]:
         vector(r.message.angular_velocity, vector(samples[middle].message.angular_velocity))
         vector(r.message.linear_acceleration, vector(samples[middle].message.linear_acceleration))
+
+
+@FAULTS.each("all is yawed by {} degrees", [15, 30], ABOUT)
+def _(log, degrees):
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    turn(log, numpy.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]))
+
+
+@FAULTS.each("accelerations are in g from {} of the drive on", [0.25, 0.5, 0.75], ABOUT)
+def _(log, share):
+    first = share * len(log.imu)
+    change(log, accelerations=lambda a, k: a if k < first else a / G)
+
+
+@FAULTS.add("gravity is taken out from the middle on", ABOUT)
+def _(log):
+    still = numpy.mean([vector(r.message.linear_acceleration) for r in log.imu[:100]], axis=0)
+    change(log, accelerations=lambda a, k: a if k < len(log.imu) / 2 else a - still)

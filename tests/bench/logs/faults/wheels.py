@@ -134,3 +134,28 @@ def _(log):
 def _(log, step):
     kept = set(map(id, log.wheels[::step]))
     log.drop(lambda r: r.topic == log.wheel_topic and id(r) not in kept)
+
+
+@FAULTS.each("0 is said below {} m/s", [0.25, 0.5, 1.0, 2.0], ABOUT)
+def _(log, least):
+    change(log, lambda v, _: v if abs(v) > least else 0.0)
+
+
+@FAULTS.each("the speed is that of {}", {"the front axle": None, "the left rear wheel": -0.74, "the right rear wheel": 0.74}, ABOUT)
+def _(log, wheel):
+    side = {"the front axle": None, "the left rear wheel": -0.74, "the right rear wheel": 0.74}[wheel]
+    for r in log.wheels:
+        twist = r.message.twist.twist
+        v, w = twist.linear.x, twist.angular.z
+        twist.linear.x = math.copysign(math.hypot(v, 2.5 * w), v) if side is None else v + side * w
+    change(log)
+
+
+@FAULTS.each("speed is {} times what it was from the middle on", [0.92, 1.08, 1.5, 3.6], ABOUT)
+def _(log, factor):
+    change(log, lambda v, k: v if k < len(log.wheels) / 2 else factor * v)
+
+
+@FAULTS.each("{} m/s are added to the speed", [0.3, 0.5], ABOUT)
+def _(log, offset):
+    change(log, lambda v, _: v + offset)
