@@ -96,16 +96,22 @@ double SecondsStuck(const SpeedHistory& wheels) {
 /// [m/s] below which wheels say 0, as encoders that count too few pulses do; 0 where they do not.
 /// All such wheels leap between 0 and that speed, however slowly the car starts and stops.
 double BlindSpeed(const SpeedHistory& wheels) {
-  constexpr double kSmallest = 0.2;     // [m/s]
-  constexpr double kMaxSpread = 0.3;    // of leaps, as a share of the least speed
-  constexpr double kMaxStep = 0.1;      // [s] between the samples of a leap
-  constexpr double kMinStanding = 0.3;  // [s] of 0 before or behind it
+  constexpr double kSmallest = 0.2;      // [m/s]
+  constexpr double kMaxSpread = 0.3;     // of leaps, as a share of the least speed
+  constexpr double kMaxStep = 0.1;       // [s] between the samples of a leap
+  constexpr double kMaxStepShare = 0.5;  // of the least speed, from one sample to the next
+  constexpr double kMinStanding = 0.3;   // [s] of 0 before or behind it
   const std::vector<WheelSample>& samples = wheels.samples();
   double least = INFINITY;
   for (const WheelSample& sample : samples)
     if (sample.forward_speed != 0) least = std::min(least, std::abs(sample.forward_speed));
   if (!std::isfinite(least) || least < kSmallest) return 0;
-  std::vector<double> leaps;
+  std::vector<double> leaps, steps;
+  for (std::size_t i = 1; i < samples.size(); ++i)
+    if (samples[i - 1].forward_speed != 0 && samples[i].forward_speed != 0)
+      steps.push_back(std::abs(samples[i].forward_speed - samples[i - 1].forward_speed));
+  // Of speeds in another unit the least is small beside their noise.
+  if (steps.empty() || Median(steps) > kMaxStepShare * least) return 0;
   for (std::size_t begin = 0, end = 1; begin < samples.size(); begin = end++) {
     if (samples[begin].forward_speed != 0) continue;
     while (end < samples.size() && samples[end].forward_speed == 0) ++end;
