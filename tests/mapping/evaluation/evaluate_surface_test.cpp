@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "mapping/mesh/read_ply.h"
 #include "tests/mapping/worlds/test_surfaces.h"
 
 namespace parkade {
