@@ -163,7 +163,7 @@ TEST(TrajectoryFindings, AnAccelerometerThatIsFarOffIsSaidWhereNoWheelsTellTheSc
 
 TEST(TrajectoryFindings, TurnsThatCamerasDoNotSeeAreSaid) {
   const auto findings_of = [](double gain, double delay) {
-    return TrajectoryFindings({},
+    return TrajectoryFindings({}, {},
                               {.turn_gain = gain,
                                .turn_gain_sigma = 0.002,
                                .turn_delay = delay,
