@@ -126,6 +126,8 @@ std::optional<Finding> ImuChecks::CheckChange() const {
     change = bins_[split].begin;
   }
   if (std::max(before, behind) <= kLargestRatio * std::min(before, behind)) return std::nullopt;
+  // Where neither is right, other checks know what it looks like.
+  if (!IsWithin(before, kGravity, 0.15) && !IsWithin(behind, kGravity, 0.15)) return std::nullopt;
   const double seconds = change - bins_.front().begin;
   return UnusableOf("imu_changes",
                     FormatText("reads %.3g m/s2 for %.0f s and %.3g m/s2 from there on, where "
