@@ -110,7 +110,7 @@ double BlindSpeed(const SpeedHistory& wheels) {
   for (std::size_t i = 1; i < samples.size(); ++i)
     if (samples[i - 1].forward_speed != 0 && samples[i].forward_speed != 0)
       steps.push_back(std::abs(samples[i].forward_speed - samples[i - 1].forward_speed));
-  // Of speeds in another unit the least is small beside their noise.
+  // Speeds in another unit leap by more than their least one.
   if (steps.empty() || Median(steps) > kMaxStepShare * least) return 0;
   for (std::size_t begin = 0, end = 1; begin < samples.size(); begin = end++) {
     if (samples[begin].forward_speed != 0) continue;
