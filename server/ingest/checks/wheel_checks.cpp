@@ -98,7 +98,8 @@ double SecondsStuck(const SpeedHistory& wheels) {
 double BlindSpeed(const SpeedHistory& wheels) {
   constexpr double kSmallest = 0.2;      // [m/s]
   constexpr double kMaxSpread = 0.3;     // of leaps, as a share of the least speed
-  constexpr double kMaxStep = 0.1;       // [s] between the samples of a leap
+  constexpr double kMaxStep = 0.15;      // [s] between the samples of a leap
+  constexpr double kHardest = 5;         // [m/s^2] that a car starts or stops with
   constexpr double kMaxStepShare = 0.5;  // of the least speed, from one sample to the next
   constexpr double kMinStanding = 0.3;   // [s] of 0 before or behind it
   const std::vector<WheelSample>& samples = wheels.samples();
@@ -117,8 +118,8 @@ double BlindSpeed(const SpeedHistory& wheels) {
     while (end < samples.size() && samples[end].forward_speed == 0) ++end;
     if (samples[end - 1].time - samples[begin].time < kMinStanding) continue;
     const auto include = [&](const WheelSample& still, const WheelSample& moving) {
-      if (std::abs(moving.time - still.time) < kMaxStep)
-        leaps.push_back(std::abs(moving.forward_speed));
+      const double step = std::abs(moving.time - still.time), leap = std::abs(moving.forward_speed);
+      if (step < kMaxStep && leap > kHardest * step) leaps.push_back(leap);
     };
     if (begin > 0) include(samples[begin], samples[begin - 1]);
     if (end < samples.size()) include(samples[end - 1], samples[end]);

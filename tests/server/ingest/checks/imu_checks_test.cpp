@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -8,6 +9,7 @@
 
 #include "core/error.h"
 #include "server/ingest/checks/log_checks.h"
+#include "server/ingest/checks/wheel_checks.h"
 
 namespace parkade {
 namespace {
@@ -289,6 +291,19 @@ TEST(LogChecks, KnowWheelsThatAreBlindToSlowness) {
                                }})),
             "")
       << "a second without wheels is something else";
+}
+
+TEST(LogChecks, LetWheelsOfTenHertzStart) {
+  const auto starting = [](double least) {
+    SpeedHistory wheels;
+    for (int i = 0; i < 300; ++i) {
+      const double speed = std::clamp(0.21 * (i - 50), 0.0, 4.0);
+      wheels.Include({kBegin + 0.1 * i, speed < least ? 0 : speed + 1e-3 * (i % 7), 0});
+    }
+    return CheckSpeeds(wheels, "/odom");
+  };
+  EXPECT_FALSE(starting(0.01)) << starting(0.01)->sentence;
+  EXPECT_TRUE(starting(1));
 }
 
 TEST(LogChecks, KnowAccelerationsThatChangeTheirUnit) {
