@@ -17,7 +17,7 @@
 namespace parkade {
 namespace {
 
-constexpr int kCorners = 180, kWindow = 21, kTopLevel = 3;
+constexpr int kCorners = 180, kWindow = 17, kTopLevel = 3;
 constexpr double kCornerQuality = 0.001, kCornerDistance = 12;  // [px] of OpenCV's detector
 constexpr int kFreshCorners = 10;                               // [images] that corners serve
 constexpr size_t kPieces = 5;                                   // of the drive

@@ -18,8 +18,8 @@ struct SpeedFloor {
 
 /// \param sample  images that are followed: pieces of all of the drive, shared by the cameras
 ///
-/// "To follow" is OpenCV's pyramid and Lucas-Kanade, of 180 corners in windows of 21 pixels (its
-/// default), whose detection is not counted; images are packed as JPEGs of quality 90 before.
+/// "To follow" is OpenCV's pyramid and Lucas-Kanade, of 180 corners in windows of 17 pixels, whose
+/// detection is not counted; images are packed as JPEGs of quality 90 before.
 SpeedFloor MeasureSpeedFloor(const DriveLog& log, const std::filesystem::path& map, int sample);
 
 }  // namespace parkade
