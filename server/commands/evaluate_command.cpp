@@ -2,12 +2,10 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
 #include "core/error.h"
-#include "core/files/file.h"
 #include "core/trajectory.h"
 #include "mapping/evaluation/evaluate_kerbs.h"
 #include "mapping/evaluation/evaluate_slots.h"
@@ -16,6 +14,7 @@
 #include "mapping/mesh/read_ply.h"
 #include "mapping/observation/visible_points.h"
 #include "server/commands/commands.h"
+#include "server/commands/write_image.h"
 #include "server/ingest/drive/open_drive_log.h"
 #include "server/map_folder/kerbs_file.h"
 #include "server/map_folder/map_reader.h"
@@ -37,12 +36,6 @@ struct EvaluateArguments {
   std::string kerbs;       ///< true kerbs (GeoJSON), compared with those of `map`
   bool is_json = false;
 };
-
-void WritePicture(const std::string& file, const cv::Mat& picture) {
-  std::vector<unsigned char> png;
-  cv::imencode(".png", picture, png);
-  WriteFileAtomically(file, std::string(png.begin(), png.end()));
-}
 
 /// The surfaces, within the scope that the arguments ask for.
 SurfaceEvaluation EvaluateGround(const EvaluateArguments& arguments,
@@ -76,8 +69,8 @@ SurfaceEvaluation EvaluateGround(const EvaluateArguments& arguments,
       ScopeSurfaces(ReadPly(arguments.ground), estimate, options, scope);
   const SurfaceEvaluation evaluation = EvaluateSurface(surfaces, estimate, options);
   if (!arguments.picture.empty())
-    WritePicture(arguments.picture,
-                 PaintSurfaceErrors(surfaces, evaluation.relative_boundary_width, options));
+    WriteImage(arguments.picture,
+               PaintSurfaceErrors(surfaces, evaluation.relative_boundary_width, options));
   return evaluation;
 }
 

@@ -14,6 +14,7 @@
 #include "mapping/networks/freespace_network.h"
 #include "mapping/observation/segment_image.h"
 #include "server/commands/commands.h"
+#include "server/commands/write_image.h"
 #include "server/map_folder/output_folder.h"
 
 namespace parkade {
@@ -40,12 +41,6 @@ cv::Mat ReadImage(const std::string& file) {
   }
   Require(!image.empty(), ErrorCode::kInvalidInput, "'" + file + "' is no image that can be read");
   return image;
-}
-
-void WriteImage(const fs::path& file, const cv::Mat& image) {
-  std::vector<uchar> bytes;
-  cv::imencode(file.extension().string(), image, bytes);
-  WriteFileAtomically(file, std::string(bytes.begin(), bytes.end()));
 }
 
 /// The image with what is drivable in green.

@@ -48,21 +48,15 @@ double CorrelationOf(const std::vector<double>& x, const std::vector<double>& y)
 
 bool IsNear(double value, double target) { return std::abs(value / target - 1) < 0.12; }
 
-std::string Short(double value) {
+std::string Number(double value, int digits = 4) {
   char text[40];
-  std::snprintf(text, sizeof(text), "%.2g", value);
-  return text;
-}
-
-std::string Number(double value) {
-  char text[40];
-  std::snprintf(text, sizeof(text), "%.4g", value);
+  std::snprintf(text, sizeof(text), "%.*g", digits, value);
   return text;
 }
 
 /// [m/s] by which most windows of time are off at most, whatever the noise and a few slips. Such
-/// errors of sound drives are 0.01, those of wheels that are another axle's, one wheel's or another
-/// scale's from some moment on 0.1 and more.
+/// errors of sound drives are 0.01 to 0.02, those of wheels that are another axle's, one wheel's or
+/// another scale's from some moment on 0.1 and more.
 double LastingError(const std::vector<Timestamp>& times, const std::vector<double>& differences) {
   std::vector<double> means;
   for (size_t begin = 0, end = 0; begin < times.size(); begin = end) {
@@ -125,8 +119,8 @@ std::string WheelAgreement::Doubt() const {
            ", as it seems: stamp them when they are measured";
   const std::string measured = "the car's speed is " + Number(scale) + " times theirs";
   if (std::abs(correlation) < kSureCorrelation || (scale < kMaxScale && scale > 1 / kMaxScale))
-    return "contradict the motion that cameras and IMU show, by " + Short(lasting_error) +
-           " m/s or more at times, where the car drives " + Short(speed) +
+    return "contradict the motion that cameras and IMU show, by " + Number(lasting_error, 2) +
+           " m/s or more at times, where the car drives " + Number(speed, 2) +
            ": check that twist.linear.x is the speed of the middle of the rear axle along the car, "
            "in m/s and stamped when it was measured, and that the IMU sits as the rig says";
   const auto remedy = [](double value) {

@@ -141,13 +141,16 @@ def _(log, least):
     change(log, lambda v, _: v if abs(v) > least else 0.0)
 
 
-@FAULTS.each("the speed is that of {}", {"the front axle": None, "the left rear wheel": -0.74, "the right rear wheel": 0.74}, ABOUT)
-def _(log, wheel):
-    side = {"the front axle": None, "the left rear wheel": -0.74, "the right rear wheel": 0.74}[wheel]
+PLACES = {"the front axle": (2.5, 0), "the left rear wheel": (0, 0.74), "the right rear wheel": (0, -0.74)}  # [m]
+
+
+@FAULTS.each("the speed is that of {}", PLACES, ABOUT)
+def _(log, place):
+    ahead, left = PLACES[place]
     for r in log.wheels:
         twist = r.message.twist.twist
-        v, w = twist.linear.x, twist.angular.z
-        twist.linear.x = math.copysign(math.hypot(v, 2.5 * w), v) if side is None else v + side * w
+        along = twist.linear.x - left * twist.angular.z
+        twist.linear.x = math.copysign(math.hypot(along, ahead * twist.angular.z), along)
     change(log)
 
 
