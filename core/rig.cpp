@@ -8,11 +8,17 @@
 namespace parkade {
 namespace {
 
+constexpr double kLargestCar = 50;  // [m] beyond which a mount is in other units, or nonsense
+
 void RequireRigid(const Rigid3& motion, const std::string& name) {
   Require(motion.translation.allFinite() && motion.rotation.coeffs().allFinite(),
           ErrorCode::kInvalidInput, name + " holds a number that is not finite");
   Require(std::abs(motion.rotation.norm() - 1) < 1e-6, ErrorCode::kInvalidInput,
           name + " is not a rigid motion");
+  const double distance = motion.translation.norm();
+  Require(distance <= kLargestCar, ErrorCode::kInvalidInput,
+          name + " lies " + std::to_string(std::lround(distance)) +
+              " m from the middle of the rear axle, beyond any car: lengths are in meters");
 }
 
 void RequirePositive(double value, const std::string& name) {
@@ -54,6 +60,7 @@ bool RigCamera::IsUsable(const Eigen::Vector2d& pixel, double margin) const {
 
 void ValidateRig(const Rig& rig) {
   Require(!rig.cameras.empty(), ErrorCode::kInvalidInput, "the rig has no camera");
+  RequireRigid(rig.body_from_imu, "the mounting of the IMU");  // first: cameras are mounted on it
   std::set<std::string> names, topics;
   for (const RigCamera& camera : rig.cameras) {
     ValidateCamera(camera);
@@ -62,7 +69,6 @@ void ValidateRig(const Rig& rig) {
     Require(camera.topic.empty() || topics.insert(camera.topic).second, ErrorCode::kInvalidInput,
             "two cameras have the topic '" + camera.topic + "'");
   }
-  RequireRigid(rig.body_from_imu, "the mounting of the IMU");
   RequirePositive(rig.imu.update_rate, "update_rate of the IMU");
   RequirePositive(rig.imu.accelerometer_scale, "accelerometer_scale of the IMU");
   RequirePositive(rig.imu.gyroscope_scale, "gyroscope_scale of the IMU");

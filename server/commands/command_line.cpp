@@ -25,6 +25,14 @@ int ExitStatus(ErrorCode code) {
   return 3;
 }
 
+/// The first word, where it names no command.
+std::string UnknownCommand(const CLI::App& app, int argc, const char* const* argv) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  const auto is_named = [&](const CLI::App* command) { return command->check_name(word); };
+  if (word.empty() || word.front() == '-' || !app.get_subcommands(is_named).empty()) return "";
+  return word;
+}
+
 }  // namespace
 
 int RunCommandLine(int argc, const char* const* argv) {
@@ -48,6 +56,10 @@ int RunCommandLine(int argc, const char* const* argv) {
   AddPoseGraphCommand(app, action);
   AddSegmentCommand(app, action);
 
+  if (const std::string word = UnknownCommand(app, argc, argv); !word.empty()) {
+    std::fprintf(stderr, "parkade: there is no command '%s', see parkade --help\n", word.c_str());
+    return ExitStatus(ErrorCode::kUsage);
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

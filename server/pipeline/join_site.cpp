@@ -21,10 +21,14 @@ std::optional<SiteDatum> AlignAllToGnss(const GnssAlignOptions& options,
     const GnssPositions gnss = ReadGnss(*drive.log, options);
     drive.gnss = AlignToGnss(drive.refinement.value.odom_from_body, gnss.fixes,
                              gnss.antenna_in_body, options, datum);
-    if (drive.gnss)
-      datum = drive.gnss->datum;
-    else
-      drive.gnss_verdict.num_too_vague = gnss.fixes.size();
+    GnssVerdict& verdict = drive.gnss_verdict;
+    if (!drive.gnss) {
+      verdict.num_too_vague = gnss.fixes.size();
+      continue;
+    }
+    datum = drive.gnss->datum;
+    verdict.num_used = static_cast<size_t>(drive.gnss->num_inliers);
+    verdict.num_apart = static_cast<size_t>(drive.gnss->num_fixes) - verdict.num_used;
   }
   return datum;
 }

@@ -14,6 +14,7 @@ namespace parkade {
 struct GnssVerdict {
   std::string doubt = "";    ///< what they do that are left out for it: "jump by 30 m"; or empty
   size_t num_too_vague = 0;  ///< of which none is left out, but which tell no place on earth
+  size_t num_used = 0, num_apart = 0;  ///< fixes that agree with the trajectory; that do not
 };
 
 /// What is wrong with a drive's sensors, as its trajectory tells.

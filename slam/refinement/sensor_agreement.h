@@ -7,7 +7,8 @@
 
 namespace parkade {
 
-/// Where a camera sits, by the ways that it goes in turns.
+/// Where a camera sits, by the ways that it goes in turns: without the pair of images that says
+/// most.
 struct CameraLead {
   std::string camera;
   double ahead = 0, sigma = 0;  ///< [m] farther ahead in the car than its rig says

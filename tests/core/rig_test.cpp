@@ -400,6 +400,8 @@ TEST(ValidateRig, RefusesWhatCannotBe) {
   EXPECT_TRUE(is_refused([](Rig& rig) { rig.cameras[1].name = "cam0"; }));
   EXPECT_TRUE(is_refused([](Rig& rig) { rig.cameras[0].model = {}; }));
   EXPECT_TRUE(is_refused([](Rig& rig) { rig.cameras[0].body_from_camera.translation.x() = NAN; }));
+  EXPECT_TRUE(is_refused([](Rig& rig) { rig.cameras[0].body_from_camera.translation *= 1000; }));
+  EXPECT_TRUE(is_refused([](Rig& rig) { rig.body_from_imu.translation.x() = -1270; }));
   EXPECT_TRUE(is_refused([](Rig& rig) { rig.cameras[0].line_delay = 1; }));
   EXPECT_TRUE(is_refused([](Rig& rig) { rig.cameras[2].mask = cv::Mat(10, 10, CV_8UC1); }));
   EXPECT_TRUE(is_refused([](Rig& rig) { rig.imu.gyroscope_noise_density = 0; }));

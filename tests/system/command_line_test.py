@@ -61,7 +61,8 @@ class CommandLine(unittest.TestCase):
 
     def test_usage_errors_exit_with_2(self):
         self.assertEqual(run().returncode, 2)
-        self.assertEqual(run("dance").returncode, 2)
+        danced = run("dance")
+        self.assertEqual((danced.returncode, danced.stderr), (2, "parkade: there is no command 'dance', see parkade --help\n"))
         self.assertEqual(run("map", "--frobnicate").returncode, 2)
         self.assertEqual(run("evaluate").returncode, 2)
         self.refuse("x.bag", "--set", "odometry.no_such=1", status=2, names=["odometry.no_such"])

@@ -105,6 +105,10 @@ std::vector<Explanation> ExplanationsOf(const Rig& rig, size_t camera) {
         [=](const Eigen::Vector2d& p) { return Eigen::Vector2d(right - p.x(), bottom - p.y()); }}},
       {"its images are mirrored",
        {camera, [=](const Eigen::Vector2d& p) { return Eigen::Vector2d(right - p.x(), p.y()); }}}};
+  for (const double size : {2.0, 4.0})
+    explanations.push_back(
+        {"its lens is calibrated for images " + FormatText("%g", size) + " times as large",
+         {camera, [=](const Eigen::Vector2d& p) { return Eigen::Vector2d(size * p); }}});
   for (size_t other = 0; other < rig.cameras.size(); ++other) {
     const CameraModel& model = rig.cameras[other].model;
     if (other != camera && model.width() == own.width() && model.height() == own.height())
@@ -154,10 +158,13 @@ CameraVerdict VerdictOn(const MotionJudge& judge, const Rig& rig, size_t camera,
     verdict.is_wrong = true;
     return verdict;
   }
+  if (best >= 1) return verdict;  // no other can be that much better
   for (const Explanation& explanation : ExplanationsOf(rig, camera)) {
-    const double share = judge.Judge(camera, explanation.hypothesis).share();
-    if (share <= best) continue;
-    best = share;
+    const PointAgreement agreement = judge.Judge(camera, explanation.hypothesis);
+    // Points that no longer move agree with anything.
+    if (agreement.share() <= best || 2 * agreement.num_points < verdict.agreement.num_points)
+      continue;
+    best = agreement.share();
     verdict.looks_like = explanation.looks_like;
     verdict.is_wrong = true;
   }

@@ -21,12 +21,21 @@ auto WithReader(std::span<const std::uint8_t> data, MessageEncoding encoding, co
 constexpr const char* kFoxgloveVideo = "foxglove_msgs/CompressedVideo";
 constexpr const char* kFfmpegPacket = "ffmpeg_image_transport_msgs/FFMPEGPacket";
 
+/// [ns] of a stamp. Nanoseconds make less than a second; as many as a date has seconds say that a
+/// driver wrote the two in each other's place.
+std::int64_t StampFrom(std::uint32_t seconds, std::uint32_t nanoseconds) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  constexpr std::uint32_t kDate = 1'500'000'000;  // [s] in July 2017
+  if (nanoseconds >= kDate && seconds < kSecond) std::swap(seconds, nanoseconds);
+  return seconds * kSecond + nanoseconds;
+}
+
 template <typename Reader>
 MessageHeader ReadStampAndFrame(Reader& reader) {
   MessageHeader header;
   const auto seconds = reader.template Read<std::uint32_t>();
   const auto nanoseconds = reader.template Read<std::uint32_t>();
-  header.stamp.ns = static_cast<std::int64_t>(seconds) * 1'000'000'000 + nanoseconds;
+  header.stamp.ns = StampFrom(seconds, nanoseconds);
   header.frame_id = reader.ReadString();
   return header;
 }

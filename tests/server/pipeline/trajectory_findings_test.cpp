@@ -208,5 +208,16 @@ TEST(TrajectoryFindings, FixesThatTellNoPlaceAreANote) {
   EXPECT_NE(findings[0].sentence.find("its fixes (12) are too few"), std::string::npos);
 }
 
+TEST(TrajectoryFindings, ManyFixesThatDoNotFitTheOthersAreToldAndAFewAreNot) {
+  EXPECT_TRUE(TrajectoryFindings({}, {}, {}, {.num_used = 50, .num_apart = 10}).empty());
+  const std::vector<Finding> findings =
+      TrajectoryFindings({}, {}, {}, {.num_used = 35, .num_apart = 25});
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].severity, Severity::kWarning);
+  EXPECT_NE(findings[0].sentence.find("GNSS contradicts itself: 25 of 60 fixes are left out"),
+            std::string::npos)
+      << findings[0].sentence;
+}
+
 }  // namespace
 }  // namespace parkade

@@ -34,6 +34,7 @@ struct Fault {
   double imu_delay = 0;                             ///< [s]
   Eigen::Vector3d bias = Eigen::Vector3d::Zero();   ///< [rad/s]
   bool has_wheels = true;
+  double lens_size = 1;  ///< of the images for which the rig has the second camera's lens
 };
 
 /// Three cameras that look left, right and ahead, 1 m above the ground, in a car that drives
@@ -117,7 +118,11 @@ class TurningCar {
   }
 
   std::vector<Finding> Check(const Fault& fault) const {
-    CameraChecks checks(rig_);
+    Rig rig = rig_;
+    const double size = fault.lens_size;
+    rig.cameras[1].model =
+        CameraModel(PinholeProjection{160 * size, 160 * size, 159.5 * size, 99.5 * size}, 320, 200);
+    CameraChecks checks(rig);
     const SpeedHistory wheels = Record(fault, checks);
     return checks.Findings(fault.has_wheels ? wheels : checks.Speeds(),
                            {"/left", "/right", "/ahead"}, "/imu");
@@ -214,6 +219,14 @@ TEST(CameraChecks, KnowTopicsThatHaveChangedPlaces) {
   ASSERT_EQ(found.size(), 2u);
   EXPECT_NE(found[0].sentence.find("those of cam1"), std::string::npos) << found[0].sentence;
   EXPECT_NE(found[1].sentence.find("those of cam0"), std::string::npos) << found[1].sentence;
+}
+
+TEST(CameraChecks, KnowALensThatIsCalibratedForImagesOfAnotherSize) {
+  const std::vector<Finding> found = TurningCar().Check({.lens_size = 4});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].topic, "/right");
+  EXPECT_NE(found[0].sentence.find("for images 4 times as large"), std::string::npos)
+      << found[0].sentence;
 }
 
 TEST(CameraChecks, RefuseALogWhoseCamerasAreAllMirrored) {

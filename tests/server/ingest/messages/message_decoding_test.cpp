@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "core/error.h"
@@ -134,6 +135,22 @@ TEST_P(EachEncoding, AZeroStampGivesWayToTheLogTime) {
   EXPECT_EQ(
       StampOf({0, Timestamp{77}, ImuBytes(Writer(), kStamp)}, encoding(), "sensor_msgs/Imu").ns,
       kStamp);
+}
+
+TEST_P(EachEncoding, SecondsAndNanosecondsInEachOthersPlaceAreReadAsTheyAreMeant) {
+  constexpr std::ptrdiff_t kSeconds = 4, kNanoseconds = 8, kEnd = 12;  // in the bytes
+  constexpr std::int64_t kToday = 1'796'000'000'123'456'789;
+  std::vector<std::uint8_t> bytes = ImuBytes(Writer(), kToday);
+  std::swap_ranges(bytes.begin() + kSeconds, bytes.begin() + kNanoseconds,
+                   bytes.begin() + kNanoseconds);
+  EXPECT_EQ(DecodeImu(bytes, encoding()).header.stamp.ns, kToday);
+  // Fields that a driver did not carry over are a sum, and so is a simulator's time.
+  std::fill(bytes.begin() + kSeconds, bytes.begin() + kEnd, std::uint8_t{0});
+  const std::ptrdiff_t billion = encoding() == MessageEncoding::kCdr && GetParam().is_big_endian
+                                     ? kNanoseconds
+                                     : kNanoseconds + 3;
+  bytes[static_cast<std::size_t>(billion)] = 0x40;  // 2^30 ns
+  EXPECT_EQ(DecodeImu(bytes, encoding()).header.stamp.ns, std::int64_t{1} << 30);
 }
 
 TEST_P(EachEncoding, AMessageCutAnywhereIsRefused) {
