@@ -170,3 +170,10 @@ def _(log):
             shown[k] = (shown[k] * (1 - share) + shown[k + 1] * share).astype(numpy.uint8)
         queue = iter(shown)
         repaint(images, lambda image, _: next(queue))
+
+
+@FAULTS.each("images are twice as large from the middle on: {}", ["one camera", "all cameras"], ABOUT, must_say=True)
+def _(log, which):
+    middle = log.at(0.5)
+    records = [r for r in log.of(*cameras_of(log, which)) if r.stamp >= middle]
+    repaint(records, lambda image, _: image.repeat(2, axis=0).repeat(2, axis=1))

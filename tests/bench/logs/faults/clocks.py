@@ -181,3 +181,10 @@ def _(log, order):
 def _(log, seconds):
     begin = log.at(0.5)
     log.drop(lambda r: begin <= r.stamp < begin + seconds * NS)
+
+
+@FAULTS.each("seconds and nanoseconds have changed places: {}", ["all", "the IMU"], "clock|stamp")
+def _(log, which):
+    for r in log.records if which == "all" else log.imu:
+        stamp = r.message.header.stamp
+        stamp.secs, stamp.nsecs = stamp.nsecs, stamp.secs

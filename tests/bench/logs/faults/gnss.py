@@ -145,3 +145,10 @@ def _(log):
 def _(log, seconds):
     for r in log.fixes:
         r.stamp += int(seconds * NS)
+
+
+@FAULTS.add("altitude leaps by -47 m in the middle", ABOUT, must_say=True)
+def _(log):
+    middle = log.at(0.5)
+    for r in log.fixes:
+        r.message.altitude -= 47 if r.stamp >= middle else 0

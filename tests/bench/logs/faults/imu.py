@@ -254,3 +254,25 @@ def _(log, share):
 def _(log):
     still = numpy.mean([vector(r.message.linear_acceleration) for r in log.imu[:100]], axis=0)
     change(log, accelerations=lambda a, k: a if k < len(log.imu) / 2 else a - still)
+
+
+def about_axis(axis, degrees):
+    vector_of_axis = numpy.eye(3)["xyz".index(axis)]
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    cross = numpy.cross(vector_of_axis, numpy.eye(3)).T
+    return numpy.eye(3) + s * cross + (1 - c) * cross @ cross
+
+
+SHIFTS = [("x", 3), ("x", 10), ("y", 2), ("y", 5), ("z", 15)]
+
+
+@FAULTS.each("the IMU turns about {0[0]} by {0[1]} degrees in the middle", SHIFTS, ABOUT)
+def _(log, shift):
+    middle, matrix = len(log.imu) / 2, about_axis(*shift)
+    change(log, lambda w, k: w if k < middle else matrix @ w, lambda a, k: a if k < middle else matrix @ a)
+
+
+@FAULTS.each("the accelerometer's {} is off by 0.5 m/s2 from the middle on", "xyz", ABOUT)
+def _(log, axis):
+    middle, step = len(log.imu) / 2, 0.5 * numpy.eye(3)["xyz".index(axis)]
+    change(log, accelerations=lambda a, k: a if k < middle else a + step)

@@ -175,3 +175,16 @@ def _(log):
 def _(log, what):
     name = next(name for name in log.rig if "camchain" in name)
     log.rig[name] = {"empty": "", "no YAML": "cam0: [1, 2\n  x: {", "HTML": "<html><body>404</body></html>"}[what]
+
+
+@FAULTS.add("the IMU's place is in millimeters", ABOUT + "|IMU", must_say=True)
+def _(log):
+    matrix = log.rig["vehicle.yaml"]["T_imu_body"]
+    for row in matrix[:3]:
+        row[3] *= 1000
+
+
+@FAULTS.each("lenses are calibrated for images {} times as large", [2, 4], ABOUT + "|gyroscope", must_say=True)
+def _(log, size):
+    for camera in chains(log).values():
+        camera["intrinsics"][-4:] = [size * number for number in camera["intrinsics"][-4:]]
