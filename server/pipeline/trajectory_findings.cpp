@@ -198,6 +198,20 @@ std::optional<Finding> WrongPlace(const SensorAgreement& agreement) {
                    {{"ahead_m", most->ahead}, {"ahead_sigma_m", most->sigma}});
 }
 
+/// A body that is another point of the car than the middle of the rear axle.
+std::optional<Finding> WrongBody(const SensorAgreement& agreement) {
+  constexpr double kSmallest = 0.5;  // [m]
+  const double ahead = agreement.body_lead;
+  if (std::abs(ahead) < std::max(kSmallest, kSure * agreement.body_lead_sigma)) return std::nullopt;
+  return WarningOf(
+      "body_off",
+      FormatText("in turns the rig's body moves like a point of the car %.1f m %s the "
+                 "rear axle",
+                 std::abs(ahead), ahead > 0 ? "ahead of" : "behind"),
+      "check T_imu_body in vehicle.yaml, p_imu = T p_body: it may be the other way round",
+      {{"ahead_m", ahead}, {"ahead_sigma_m", agreement.body_lead_sigma}});
+}
+
 std::optional<Finding> VagueFixes(const GnssVerdict& gnss) {
   if (gnss.num_too_vague == 0) return std::nullopt;
   return Finding{"gnss_vague",
@@ -266,6 +280,7 @@ std::vector<Finding> TrajectoryFindings(const OdometryReport& odometry, const Ri
   // By wrong turns cameras seem to be elsewhere, too.
   const std::optional<Finding> turns = WrongTurns(agreement);
   add(turns ? turns : WrongPlace(agreement));
+  add(WrongBody(agreement));
   add(ImuDelay(odometry.calibration));
   return findings;
 }

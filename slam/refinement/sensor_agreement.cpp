@@ -254,6 +254,28 @@ class Comparison {
   std::vector<std::vector<Row<2>>> of_camera_;  ///< lead, angle of the mount
 };
 
+/// A car's rear axle goes where it points, and a point ahead of it sideways in turns, too.
+Solution<2> FitBodyLead(const Trajectory& odom_from_body) {
+  constexpr double kStep = 0.5, kSide = 0.15;     // [s] from one row to the next; of a turn
+  constexpr double kSlowest = 0.5, kFastest = 8;  // [m/s] at which tires hardly slip sideways
+  constexpr double kSwayingSpeed = 0.03;          // [m/s] of a body on its springs
+  std::vector<Row<2>> rows;
+  const TimeSpan span = odom_from_body.span();
+  for (Timestamp time = span.begin + kSide; time + kSide <= span.end; time = time + kStep) {
+    const auto before = odom_from_body.At(time - kSide), now = odom_from_body.At(time),
+               after = odom_from_body.At(time + kSide);
+    if (!before || !now || !after) continue;
+    const Eigen::Vector3d velocity =
+        now->rotation.conjugate() * (after->translation - before->translation) / (2 * kSide);
+    if (std::abs(velocity.x()) < kSlowest || std::abs(velocity.x()) > kFastest) continue;
+    const double yaw_rate =
+        LogSo3(before->rotation.conjugate() * after->rotation).z() / (2 * kSide);
+    rows.push_back({{yaw_rate, velocity.x()}, velocity.y(), kSwayingSpeed});
+  }
+  if (rows.size() < kMinRows) return {.value = Eigen::Vector2d::Zero(), .sigma = {1e3, 1e3}};
+  return Solve<2>(rows, {10, 0.05});
+}
+
 /// The stretches of the drive in which the car turns most. They overlap by half (kOverlap).
 std::vector<Timestamp> StretchesWithTurns(const Trajectory& odom_from_body) {
   struct Stretch {
@@ -282,7 +304,11 @@ SensorAgreement MeasureSensorAgreement(const OdometryResult& odometry) {
   Comparison comparison(odometry);
   for (const Timestamp begin : StretchesWithTurns(odometry.odom_from_body))
     comparison.AddStretch(begin);
-  return comparison.Result();
+  SensorAgreement agreement = comparison.Result();
+  const Solution<2> body = FitBodyLead(odometry.odom_from_body);
+  agreement.body_lead = body.value[0];
+  agreement.body_lead_sigma = body.sigma[0];
+  return agreement;
 }
 
 }  // namespace parkade

@@ -19,7 +19,9 @@ struct CameraLead {
 struct SensorAgreement {
   double turn_gain = 0, turn_gain_sigma = 1;    ///< share by which the gyroscope turns too far
   double turn_delay = 0, turn_delay_sigma = 1;  ///< [s] by which it is late
-  std::vector<CameraLead> leads;                ///< of cameras that tell
+  std::vector<CameraLead> leads = {};           ///< of cameras that tell
+  /// [m] How far ahead of the rear axle the rig's body lies, as it moves sideways in turns.
+  double body_lead = 0, body_lead_sigma = 1e3;
   int num_pairs = 0;
 };
 

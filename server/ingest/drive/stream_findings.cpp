@@ -8,12 +8,14 @@ namespace {
 constexpr double kMuch = 0.1;  // share of a stream
 
 /// Why, for a person.
-std::string ReasonOf(DropReason reason) {
+std::string ReasonOf(DropReason reason, StreamKind kind) {
   switch (reason) {
     case DropReason::kDamaged: return "are damaged";
     case DropReason::kRepeated: return "repeat the stamp before them";
     case DropReason::kBackwardStamp: return "have stamps that go back in time";
-    case DropReason::kOffClock: return "have stamps that are not on the IMU's clock";
+    case DropReason::kOffClock:
+      return kind == StreamKind::kImu ? "have stamps that leap"
+                                      : "have stamps that are not on the IMU's clock";
     case DropReason::kNotFinite: return "hold values that no sensor of a car can measure";
     case DropReason::kStuck: return "repeat one reading";
     case DropReason::kNoFix: return "hold no position";
@@ -48,7 +50,8 @@ Finding LossOf(const SensorStream& stream, const StreamHealth& health, bool is_a
   finding.sentence = NameOf(stream) +
                      (is_all ? " is left out: all " + std::to_string(all)
                              : " loses " + std::to_string(dropped) + " of " + std::to_string(all)) +
-                     " messages" + (is_all ? "" : ": most of these") + " " + ReasonOf(reason);
+                     " messages" + (is_all ? "" : ": most of these") + " " +
+                     ReasonOf(reason, stream.kind);
   if (reason == DropReason::kOffClock && health.off_clock_by != 0)
     finding.sentence += std::string(", ") + DurationText(health.off_clock_by) +
                         (health.off_clock_by < 0 ? " behind it" : " ahead of it");
@@ -58,7 +61,7 @@ Finding LossOf(const SensorStream& stream, const StreamHealth& health, bool is_a
   if (is_all && stream.kind == StreamKind::kImu) {
     finding.severity = Severity::kUnusable;
     finding.sentence = NameOf(stream) + " has no usable sample: all " + std::to_string(all) +
-                       " messages " + ReasonOf(reason);
+                       " messages " + ReasonOf(reason, stream.kind);
   }
   return finding;
 }

@@ -199,6 +199,15 @@ TEST(TrajectoryFindings, TheCameraThatIsOffTheMostIsNamed) {
       << findings[0].sentence;
 }
 
+TEST(TrajectoryFindings, ABodyThatIsAnotherPointOfTheCarIsAWarning) {
+  EXPECT_TRUE(TrajectoryFindings({}, {}, {.body_lead = 1.2, .body_lead_sigma = 0.4}, {}).empty());
+  const std::vector<Finding> findings =
+      TrajectoryFindings({}, {}, {.body_lead = -1.2, .body_lead_sigma = 0.04}, {});
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_NE(findings[0].sentence.find("1.2 m behind the rear axle"), std::string::npos)
+      << findings[0].sentence;
+}
+
 TEST(TrajectoryFindings, FixesThatTellNoPlaceAreANote) {
   const std::vector<Finding> findings = TrajectoryFindings({}, {}, {}, {.num_too_vague = 12});
 

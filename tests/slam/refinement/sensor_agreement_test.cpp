@@ -86,6 +86,18 @@ TEST(SensorAgreement, ACameraThatSitsFartherBackIsFound) {
   EXPECT_LT(agreement.leads[2].ahead, -5 * agreement.leads[2].sigma);
 }
 
+TEST(SensorAgreement, ABodyThatIsNoPointOfTheRearAxleIsFound) {
+  SampledDrive drive = Drive(9);
+  const SensorAgreement sound = AgreementOf(drive);
+  EXPECT_LT(sound.body_lead_sigma, 0.1);
+  EXPECT_LT(std::abs(sound.body_lead), 0.1);
+  // All that is mounted on the car lies a meter farther back in the rig than in the car.
+  drive.rig.body_from_imu.translation.x() -= 1;
+  for (RigCamera& camera : drive.rig.cameras) camera.body_from_camera.translation.x() -= 1;
+  const SensorAgreement agreement = AgreementOf(drive);
+  EXPECT_NEAR(agreement.body_lead, 1, 0.15);
+}
+
 TEST(SensorAgreement, NothingIsToldWithoutMeasurementsOrAVehicle) {
   const SampledDrive drive = Drive(8);
   OdometryResult odometry = EstimateDrive(drive);

@@ -188,3 +188,9 @@ def _(log):
 def _(log, size):
     for camera in chains(log).values():
         camera["intrinsics"][-4:] = [size * number for number in camera["intrinsics"][-4:]]
+
+
+@FAULTS.add("the IMU's place is written the other way round", ABOUT + "|IMU", must_say=True)
+def _(log):
+    vehicle = log.rig["vehicle.yaml"]
+    vehicle["T_imu_body"] = numpy.linalg.inv(numpy.array(vehicle["T_imu_body"])).tolist()
