@@ -27,7 +27,7 @@ int ExitStatus(ErrorCode code) {
 
 /// The first word, where it names no command.
 std::string UnknownCommand(const CLI::App& app, int argc, const char* const* argv) {
-  const std::string word = argc > 1 ? argv[1] : "";
+  std::string word = argc > 1 ? argv[1] : "";
   const auto is_named = [&](const CLI::App* command) { return command->check_name(word); };
   if (word.empty() || word.front() == '-' || !app.get_subcommands(is_named).empty()) return "";
   return word;

@@ -39,7 +39,7 @@ struct OdometryMessage {
 
 struct NavSatMessage {
   MessageHeader header;
-  int status = 0;  ///< -1 no fix, 0 fix, 1 SBAS, 2 GBAS
+  std::int8_t status = 0;  ///< -1 no fix, 0 fix, 1 SBAS, 2 GBAS
   double latitude_deg = 0, longitude_deg = 0, altitude = 0;
   std::array<double, 9> covariance{};  ///< [m^2] east, north, up, row by row
   int covariance_type = 0;             ///< 0 unknown

@@ -34,7 +34,7 @@ std::vector<std::uint8_t> EncodeTwist(const WheelSample& sample, const std::stri
 std::vector<std::uint8_t> EncodeNavSat(const NavSatMessage& message) {
   CdrWriter writer = Begin(message.header);
   constexpr std::uint16_t kGps = 1;
-  writer.Put(static_cast<std::int8_t>(message.status)).Put(kGps);
+  writer.Put(message.status).Put(kGps);
   writer.Put(message.latitude_deg).Put(message.longitude_deg).Put(message.altitude);
   writer.Doubles(message.covariance);
   return writer.Put(static_cast<std::uint8_t>(message.covariance_type)).Take();
