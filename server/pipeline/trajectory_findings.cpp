@@ -227,15 +227,16 @@ std::optional<Finding> VagueFixes(const GnssVerdict& gnss) {
 /// Fixes of which the trajectory allows one part or the other.
 std::optional<Finding> SplitFixes(const GnssVerdict& gnss) {
   constexpr double kMany = 0.3;  // share of them
-  const double all = static_cast<double>(gnss.num_used + gnss.num_apart);
-  if (static_cast<double>(gnss.num_apart) < kMany * all || gnss.num_apart == 0) return std::nullopt;
+  const auto apart = static_cast<double>(gnss.num_apart);
+  const auto all = static_cast<double>(gnss.num_used + gnss.num_apart);
+  if (apart == 0 || apart < kMany * all) return std::nullopt;
   return WarningOf("gnss_split",
-                   "GNSS contradicts itself: " + std::to_string(gnss.num_apart) + " of " +
-                       FormatText("%.0f", all) +
-                       " fixes are left out, as the trajectory does not allow them with the "
-                       "others: the map may lie beside its place, or above or below",
+                   FormatText("GNSS contradicts itself: %.0f of %.0f fixes are left out, as the "
+                              "trajectory does not allow them with the others: the map may lie "
+                              "beside its place, or above or below",
+                              apart, all),
                    "check the receiver for leaps of position and altitude",
-                   {{"left_out", static_cast<double>(gnss.num_apart)}, {"fixes", all}});
+                   {{"left_out", apart}, {"fixes", all}});
 }
 
 }  // namespace
