@@ -4,6 +4,8 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "core/off_image.h"
+
 namespace parkade {
 namespace {
 
@@ -15,7 +17,6 @@ constexpr double kPivot = -6 * kDegree, kSpread = 12 * kDegree, kFinest = 0.142 
 constexpr double kFarGround = -3 * kDegree,
                  kNearGround = -20 * kDegree;  // elevations of the ground that views are for
 constexpr double kMinSeenShare = 0.5;
-constexpr float kOffImage = -10000;
 
 double AzimuthOf(double column) { return (column + 0.5 - 0.5 * LevelView::kWidth) * kAzimuthStep; }
 

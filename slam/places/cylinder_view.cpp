@@ -3,6 +3,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/off_image.h"
+
 namespace parkade {
 namespace {
 
@@ -10,6 +12,14 @@ constexpr double kHalfWidth = 1.3;  // [rad] to each side of the optical axis
 constexpr double kLowest = -1.3;    // tangent of the elevation
 constexpr double kHighest = 0.8;    // tangent of the elevation
 constexpr double kBorder = 3;       // [px] of the image that are not trusted
+constexpr int kMargin = 48;         // [px] around what is usable, so that detectors go on up to it
+
+/// What is usable, with a margin; all where nothing is.
+cv::Rect WindowOf(const cv::Mat1b& usable) {
+  const cv::Rect all({}, usable.size()), box = cv::boundingRect(usable);
+  if (box.empty()) return all;
+  return (box - cv::Point(kMargin, kMargin) + cv::Size(2 * kMargin, 2 * kMargin)) & all;
+}
 
 }  // namespace
 
@@ -20,21 +30,27 @@ CylinderView::CylinderView(const RigCamera& camera, const Eigen::Quaterniond& up
   const Eigen::Vector2d middle(0.5 * camera.model.width(), 0.5 * camera.model.height());
   scale_ = camera.model.PixelsPerRadian(middle).value_or(0.3 * camera.model.width());
   azimuth_ = std::atan2(axis.y(), axis.x()) + kHalfWidth;
+  highest_ = kHighest;
   const int width = static_cast<int>(2 * kHalfWidth * scale_),
             height = static_cast<int>((kHighest - kLowest) * scale_);
-  map_x_ = cv::Mat(height, width, CV_32FC1, cv::Scalar(-1));
-  map_y_ = map_x_.clone();
-  usable_ = cv::Mat::zeros(height, width, CV_8UC1);
+  cv::Mat1f map_x(height, width, kOffImage), map_y(height, width, kOffImage);
+  cv::Mat1b usable(height, width, std::uint8_t{0});
   const Eigen::Quaterniond camera_from_upright = upright_from_camera.conjugate();
   for (int row = 0; row < height; ++row) {
     for (int column = 0; column < width; ++column) {
       const auto pixel = camera.model.Project(camera_from_upright * BearingInUpright(column, row));
       if (!pixel || !camera.IsUsable(*pixel, kBorder)) continue;
-      map_x_.at<float>(row, column) = static_cast<float>(pixel->x());
-      map_y_.at<float>(row, column) = static_cast<float>(pixel->y());
-      usable_.at<uchar>(row, column) = 255;
+      map_x(row, column) = static_cast<float>(pixel->x());
+      map_y(row, column) = static_cast<float>(pixel->y());
+      usable(row, column) = 255;
     }
   }
+  const cv::Rect window = WindowOf(usable);
+  map_x_ = map_x(window).clone();
+  map_y_ = map_y(window).clone();
+  usable_ = usable(window).clone();
+  azimuth_ -= window.x / scale_;
+  highest_ -= window.y / scale_;
 }
 
 cv::Mat CylinderView::Warp(const cv::Mat& image) const {
@@ -45,7 +61,7 @@ cv::Mat CylinderView::Warp(const cv::Mat& image) const {
 
 Eigen::Vector3d CylinderView::BearingInUpright(double column, double row) const {
   const double azimuth = azimuth_ - column / scale_;
-  return Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), kHighest - row / scale_)
+  return Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), highest_ - row / scale_)
       .normalized();
 }
 

@@ -11,7 +11,7 @@ namespace parkade {
 /// A camera's image on an upright cylinder around the car: columns are equal
 /// angles about the upright axis, rows the tangent of the elevation. Upright things stand upright
 /// in every camera's view, and cameras that look the same way see the same image, whatever their
-/// lenses. Immutable, thread-safe.
+/// lenses. No larger than what the lens sees, and a margin. Immutable, thread-safe.
 class CylinderView {
  public:
   CylinderView() = default;  ///< sees nothing
@@ -35,6 +35,7 @@ class CylinderView {
  private:
   double scale_ = 1;    ///< [px/rad]
   double azimuth_ = 0;  ///< [rad] of column 0, growing to the left of the car
+  double highest_ = 0;  ///< tangent of the elevation of row 0
   cv::Mat map_x_, map_y_, usable_;
 };
 

@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "core/off_image.h"
 #include "core/yaw.h"
 #include "slam/places/weighted_blur.h"
 
@@ -78,7 +79,7 @@ GroundBevView::GroundBevView(const RigCamera& camera) {
   sharpness_ = sharpness(box_).clone();
   cv::Mat(sharpness_ > 0).convertTo(weights_, CV_32F, 1.0 / 255);
   weights_around_ = WeightsAround(weights_, kLightSigma);
-  cv::Mat map_x(box_.size() * kFiner, CV_32FC1, cv::Scalar(-1)), map_y = map_x.clone();
+  cv::Mat map_x(box_.size() * kFiner, CV_32FC1, cv::Scalar(kOffImage)), map_y = map_x.clone();
   for (int row = 0; row < map_x.rows; ++row) {
     for (int column = 0; column < map_x.cols; ++column) {
       if (sharpness_.at<float>(row / kFiner, column / kFiner) == 0) continue;

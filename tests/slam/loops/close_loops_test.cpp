@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "slam/places/cylinder_view.h"
 #include "tests/slam/worlds/place_world.h"
 
 namespace parkade {
@@ -109,38 +108,6 @@ TEST(FindPossibleRevisits, AStraightDriveHasNone) {
   const std::vector<bool> of_return = FindPossibleRevisits(back, {});
   EXPECT_TRUE(of_return[0] && of_return[100]);
   EXPECT_FALSE(of_return[50]) << "where it turns, it has not driven far enough since";
-}
-
-TEST(CylinderView, BearingsAreThoseOfTheLens) {
-  RigCamera camera;
-  camera.model = CameraModel(KannalaBrandtProjection{180, 180, 320, 200, 0.01, 0, 0, 0}, 640, 400);
-  // Looks to the left, 20 degrees down.
-  Eigen::Matrix3d body_from_camera;
-  body_from_camera << 1, 0, 0, 0, 0, 1, 0, -1, 0;
-  camera.body_from_camera.rotation = Eigen::Quaterniond(body_from_camera) * ExpSo3({-0.35, 0, 0});
-  const CylinderView view(camera, Eigen::Quaterniond::Identity());
-  // An image whose brightness is its column: what is warped must show the column of the pixel it
-  // comes from.
-  cv::Mat image(400, 640, CV_8UC1);
-  for (int row = 0; row < 400; ++row)
-    for (int column = 0; column < 640; ++column)
-      image.at<uchar>(row, column) = static_cast<uchar>(column / 3);
-
-  const cv::Mat warped = view.Warp(image);
-
-  int num_checked = 0;
-  for (int row = 0; row < warped.rows; row += 17) {
-    for (int column = 0; column < warped.cols; column += 13) {
-      if (view.usable().at<uchar>(row, column) == 0) continue;
-      const Eigen::Vector3d bearing = view.BearingInUpright(column, row);
-      const auto pixel =
-          camera.model.Project(camera.body_from_camera.rotation.conjugate() * bearing);
-      ASSERT_TRUE(pixel);
-      EXPECT_NEAR(warped.at<uchar>(row, column), pixel->x() / 3, 1.5);
-      ++num_checked;
-    }
-  }
-  EXPECT_GT(num_checked, 100);
 }
 
 TEST(LoopOptions, UnknownMethodsAreRefused) {
