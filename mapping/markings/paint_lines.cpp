@@ -128,9 +128,10 @@ std::vector<PaintLine> FindPaintLines(const GroundTile& tile, const PaintLineOpt
   const cv::Mat brightness = BrightnessOf(tile.image);
   std::vector<PaintLine> lines;
   const cv::Mat sure = tile.mask == GroundTile::kSure;
+  const double reach = std::max(options.filter_length, 2 * options.stripe_width);
   for (const double direction : FindDirections(brightness, sure, tile.pixel_size, kMaxDirections)) {
     const RotatedRaster turned(brightness, tile.mask, tile.pixel_size, direction,
-                               options.pixel_size);
+                               options.pixel_size, reach);
     std::vector<PaintLine> found;
     for (const AxisAlignedLine& upright : FindAxisAlignedLines(turned, options)) {
       const auto place = [&](double row) -> Eigen::Vector2d {

@@ -5,7 +5,8 @@
 
 namespace parkade {
 
-/// An image of the ground turned so that lines of one direction stand upright.
+/// An image of the ground turned so that lines of one direction stand upright, as far as something
+/// was seen.
 class RotatedRaster {
  public:
   static constexpr float kDark = 15;  ///< of 255: contrast to what is darker is noise
@@ -15,8 +16,9 @@ class RotatedRaster {
   /// \param source_size  [m] of its pixels
   /// \param direction    [rad] of the lines, counter-clockwise from east
   /// \param pixel_size   [m] of the turned image's pixels
+  /// \param margin       [m] to keep around what was seen: as far as filters reach
   RotatedRaster(const cv::Mat& brightness, const cv::Mat& mask, double source_size,
-                double direction, double pixel_size);
+                double direction, double pixel_size, double margin);
 
   /// The pixel of the source at (column, row) of the turned image.
   Eigen::Vector2d SourceOf(double column, double row) const;
