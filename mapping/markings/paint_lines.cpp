@@ -18,8 +18,8 @@ constexpr float kDarkness = 10;         // of 255: in the dark contrast is noise
 constexpr double kLeastDirection = 0.15;  // of the strongest one's edges
 constexpr int kMinDirectionApart = 6;     // [deg]
 constexpr double kSameLine = 0.1;         // [m] aside
-constexpr double kSameDirection_deg = 4;
-constexpr int kYellow = 40;  // of 255 by which blue falls behind
+constexpr double kSameDirection = 4;      // [deg]
+constexpr int kYellow = 40;               // of 255 by which blue falls behind
 
 /// Red and green: white and yellow paint are bright in both.
 cv::Mat BrightnessOf(const cv::Mat& image) {
@@ -88,6 +88,7 @@ std::vector<double> FindDirections(const cv::Mat& brightness, const cv::Mat& mas
     if (is_new) chosen.push_back(degrees);
   }
   std::vector<double> directions;  // of the lines: square to the normals of their edges
+  directions.reserve(chosen.size());
   for (const int degrees : chosen) directions.push_back((degrees + 90.5) * std::numbers::pi / 180);
   return directions;
 }
@@ -111,7 +112,7 @@ bool IsYellowAt(const GroundTile& tile, const Eigen::Vector2d& begin, const Eige
 /// True where `line` is a part of one of `lines`: directions that lie near each other find the same
 /// ones.
 bool IsKnown(const PaintLine& line, const std::vector<PaintLine>& lines) {
-  const double min_cosine = std::cos(kSameDirection_deg * std::numbers::pi / 180);
+  const double min_cosine = std::cos(kSameDirection * std::numbers::pi / 180);
   return std::any_of(lines.begin(), lines.end(), [&](const PaintLine& other) {
     const Eigen::Vector2d direction = other.Direction(), to_middle = line.Middle() - other.begin;
     const double along = to_middle.dot(direction);
