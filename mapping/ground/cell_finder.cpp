@@ -4,6 +4,19 @@
 #include <cmath>
 
 namespace parkade {
+namespace {
+
+/// The first of some cells of a row that lies at `x` or beyond.
+const SurfaceCell* FirstAt(int x, const SurfaceCell* begin, const SurfaceCell* end) {
+  if (begin == end) return end;
+  // Most rows are without gaps, and of one level.
+  const SurfaceCell* guess = begin + std::clamp<std::ptrdiff_t>(x - begin->x, 0, end - begin - 1);
+  if (guess->x == x && (guess == begin || guess[-1].x < x)) return guess;
+  return std::lower_bound(begin, end, x,
+                          [](const SurfaceCell& cell, int at) { return cell.x < at; });
+}
+
+}  // namespace
 
 CellFinder::CellFinder(const SurfaceMap& surface) : surface_(&surface) {
   const auto& cells = surface.cells;
@@ -33,6 +46,8 @@ const SurfaceCell* CellFinder::Find(const Eigen::Vector3d& point_in_site) const 
   const double size = surface_->cell_size;
   const int x = static_cast<int>(std::floor(point_in_site.x() / size));
   const int y = static_cast<int>(std::floor(point_in_site.y() / size));
+  const std::span<const SurfaceCell> here = At(x, y);
+  if (here.size() == 1) return here.data();
   const SurfaceCell* nearest = nullptr;
   double nearest_distance = 0;
   // A point on the border of a cell may round into a neighbor that does not exist.
@@ -57,8 +72,7 @@ std::span<const SurfaceCell> CellFinder::At(int x, int y) const {
   const SurfaceCell* cells = surface_->cells.data() + row.first_cell;
   const SurfaceCell* begin = cells + blocks_[row.first_block + block];
   const SurfaceCell* end = cells + blocks_[row.first_block + block + 1];
-  begin =
-      std::lower_bound(begin, end, x, [](const SurfaceCell& cell, int at) { return cell.x < at; });
+  begin = FirstAt(x, begin, end);
   const SurfaceCell* last = begin;
   while (last != end && last->x == x) ++last;
   return {begin, last};

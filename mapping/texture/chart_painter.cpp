@@ -15,6 +15,7 @@ constexpr float kLeastAbove =
     1;  // of the rank of an observation above the least: observations all alike weigh alike
 constexpr double kMaxPixelGap =
     60;  // [px] between two corners of a block: more is a fold of the lens
+constexpr float kSurelyLess = 0.85F;  // times the rank between two nodes: not among the best there
 constexpr int kColorTolerance =
     24;  // of lightness: observations further from the median are something else
 
@@ -95,6 +96,46 @@ void ChartPainter::BeginDrive(int drive) {
   drive_ = drive;
   is_shown_.assign(observations_.size(), false);
   least_ranks_.assign(corner_heights_.size(), 0);
+}
+
+/// At every kStepsPerNode-th corner, the ranks of the images that show it best, the best first; 0
+/// where there are fewer.
+cv::Mat_<cv::Vec4b> ChartPainter::BestRanks(std::span<const GroundImage* const> images,
+                                            double max_range) const {
+  static_assert(kNumObservations == 4);
+  const auto num_nodes = [](int num_corners) { return (num_corners - 2) / kStepsPerNode + 2; };
+  cv::Mat_<cv::Vec4b> best(num_nodes(num_rows_), num_nodes(num_columns_), cv::Vec4b());
+  for (const GroundImage* image : images) {
+    const Rigid3 camera_from_site = image->site_from_camera.Inverse();
+    const Part part = PartAround(image->site_from_camera.translation, max_range);
+    const int right = std::min((part.column + part.width) / kStepsPerNode + 1, best.cols - 1),
+              bottom = std::min((part.row + part.height) / kStepsPerNode + 1, best.rows - 1);
+    for (int y = part.row / kStepsPerNode; y <= bottom; ++y)
+      for (int x = part.column / kStepsPerNode; x <= right; ++x) {
+        const float steepness =
+            See(*image, camera_from_site, std::min(x * kStepsPerNode, num_columns_ - 1),
+                std::min(y * kStepsPerNode, num_rows_ - 1), max_range)
+                .steepness;
+        if (steepness <= 0) continue;
+        std::uint8_t rank = RankOf(steepness);
+        for (int i = 0; i < 4; ++i)
+          if (rank > best(y, x)[i]) std::swap(rank, best(y, x)[i]);
+      }
+  }
+  return best;
+}
+
+void ChartPainter::Expect(std::span<const GroundImage* const> images, double max_range) {
+  BeginDrive(images.front()->drive);
+  const cv::Mat_<cv::Vec4b> best = BestRanks(images, max_range);
+  for (int row = 0; row + 1 < num_rows_; ++row)
+    for (int column = 0; column + 1 < num_columns_; ++column) {
+      const int x = column / kStepsPerNode, y = row / kStepsPerNode;
+      const int least =
+          std::min({best(y, x)[3], best(y, x + 1)[3], best(y + 1, x)[3], best(y + 1, x + 1)[3]});
+      least_ranks_[BlockAt(column, row)] =
+          static_cast<std::uint8_t>(kSurelyLess * static_cast<float>(least));
+    }
 }
 
 /// What earlier drives saw of a texel steps back once this one shows it.
@@ -202,7 +243,8 @@ void ChartPainter::PaintBlock(const GroundImage& image, const std::array<GroundP
                         ToByte(light[2] * color[2]), rank});
       least = std::min(least, observations[kNumObservations - 1].rank);
     }
-  least_ranks_[BlockAt(column, row)] = least;
+  std::uint8_t& least_rank = least_ranks_[BlockAt(column, row)];
+  least_rank = std::max(least_rank, least);
 }
 
 std::array<std::uint8_t, 3> ChartPainter::Agree(const Observations& observations) {

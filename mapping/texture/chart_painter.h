@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "mapping/ground/cell_finder.h"
@@ -22,6 +23,10 @@ class ChartPainter {
  public:
   explicit ChartPainter(BlankChart blank, double texel_size);
 
+  /// Announces all images of a drive (one at least), before the first is painted: where enough of
+  /// them show the ground more steeply, the rest need not be looked at.
+  void Expect(std::span<const GroundImage* const> images, double max_range);
+
   /// Texels further than `max_range` [m] (horizontally) from the camera are left alone. Images come
   /// drive by drive, the latest last.
   void Paint(const GroundImage& image, double max_range);
@@ -33,6 +38,8 @@ class ChartPainter {
  private:
   static constexpr std::size_t kNumObservations = 4;  // kept per texel: the steepest
   static constexpr int kTexelsPerStep = 4;            // between exact projections; linear inside
+
+  static constexpr int kStepsPerNode = 4;  // between places at which images are compared before
 
   using Observations = BestObservations<kNumObservations>;  ///< rank: 1 + 254 steepness
 
@@ -56,6 +63,7 @@ class ChartPainter {
            static_cast<std::size_t>(column);
   }
   void BeginDrive(int drive);
+  cv::Mat_<cv::Vec4b> BestRanks(std::span<const GroundImage* const> images, double max_range) const;
   void StepBack(std::size_t texel);
   void PaintBlock(const GroundImage& image, const std::array<GroundPixel, 4>& corners, int column,
                   int row);

@@ -82,10 +82,18 @@ class SquarePainter {
            options_->max_range;
   }
 
-  void ExpectImage() { ++num_to_come_; }
+  /// \param image  is read until its drive is painted
+  void ExpectImage(const GroundImage& image) {
+    expected_[image.drive].push_back(&image);
+    ++num_to_come_;
+  }
 
   void Paint(const GroundImage& image) {
     Begin();
+    if (const auto of_drive = expected_.find(image.drive); of_drive != expected_.end()) {
+      for (ChartPainter& painter : painters_) painter.Expect(of_drive->second, options_->max_range);
+      expected_.erase(of_drive);
+    }
     for (ChartPainter& painter : painters_) painter.Paint(image, options_->max_range);
     --num_to_come_;
   }
@@ -111,7 +119,8 @@ class SquarePainter {
   ChartSquare square_;
   const TriangleMesh* mesh_;
   const TextureOptions* options_;
-  Eigen::AlignedBox2d box_;  // [m] in site
+  Eigen::AlignedBox2d box_;                                  // [m] in site
+  std::map<int, std::vector<const GroundImage*>> expected_;  // by drive that has not come yet
   int num_to_come_ = 0;
   std::vector<ChartPainter> painters_;
   std::vector<TextureChart> charts_;
@@ -200,7 +209,7 @@ std::vector<TextureChart> PaintPart(std::span<SquarePainter> painters,
     for (SquarePainter& painter : painters) {
       if (!painter.IsInReach(one.image)) continue;
       choices[one.drive].emplace(std::pair(one.camera, one.time), one.image);
-      painter.ExpectImage();
+      painter.ExpectImage(one.image);
     }
   for (const auto& [drive, choice] : choices)
     PaintDrive(*FindSource(sources, drive)->log, choice, cells, painters);

@@ -5,7 +5,9 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <utility>
 
+#include "core/parallel.h"
 #include "server/ingest/checks/camera_speeds.h"
 #include "server/ingest/checks/gyroscope_findings.h"
 #include "server/ingest/checks/pair_motion.h"
@@ -207,8 +209,16 @@ bool CameraChecks::WantsImage(int camera, Timestamp time) const {
   return rig_.vehicle && pairs_[static_cast<size_t>(camera)].Wants(time);
 }
 
-void CameraChecks::IncludeImage(int camera, Timestamp time, const cv::Mat& image) {
-  pairs_[static_cast<size_t>(camera)].Include(time, image);
+void CameraChecks::IncludeImage(int camera, Timestamp time, UndecodedImage image) {
+  constexpr size_t kMaxWaitingBytes = size_t{32} << 20;
+  pairs_[static_cast<size_t>(camera)].Include(time, std::move(image));
+  size_t num_bytes = 0;
+  for (const ImagePairs& pairs : pairs_) num_bytes += pairs.num_waiting_bytes();
+  if (num_bytes > kMaxWaitingBytes) FollowPairs();
+}
+
+void CameraChecks::FollowPairs() {
+  ParallelFor(pairs_.size(), [&](size_t camera) { pairs_[camera].Follow(); });
 }
 
 SpeedHistory CameraChecks::Speeds() const {

@@ -37,8 +37,9 @@ class CameraChecks {
   void Include(const ImuSample& sample) { gyroscope_.Include(sample); }
   const GyroscopeHistory& gyroscope() const { return gyroscope_; }
   bool WantsImage(int camera, Timestamp time) const;
-  /// \param image  CV_8UC1 of the calibrated size
-  void IncludeImage(int camera, Timestamp time, const cv::Mat& image);
+  void IncludeImage(int camera, Timestamp time, UndecodedImage image);
+  /// Looks at the images that wait for it. After the last one, before anything is asked.
+  void FollowPairs();
 
   /// What the cameras themselves say of the car's speeds; empty where no vehicle is known.
   SpeedHistory Speeds() const;

@@ -2,8 +2,10 @@
 
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
+#include <utility>
 
 #include "core/math/statistics.h"
+#include "core/parallel.h"
 #include "server/ingest/checks/image_noise.h"
 
 namespace parkade {
@@ -14,16 +16,13 @@ constexpr std::size_t kMaxPairs = 40;  // more are thinned out
 constexpr int kMaxCorners = 80;
 constexpr double kMaxReturn = 0.7;  // [px] by which tracking there and back may miss
 
-ImagePair Track(const RigCamera& camera, Timestamp first, const cv::Mat& from, Timestamp second,
-                const cv::Mat& to) {
-  ImagePair pair;
-  pair.first = first;
-  pair.second = second;
+void FollowPoints(const RigCamera& camera, const cv::Mat& from, const cv::Mat& to,
+                  ImagePair& pair) {
   pair.noise = ImageNoise(from);
   std::vector<cv::Point2f> corners, tracked, returned;
   cv::goodFeaturesToTrack(from, corners, kMaxCorners, 0.02, from.cols / 24.0, camera.mask);
   pair.num_corners = corners.size();
-  if (corners.empty()) return pair;
+  if (corners.empty()) return;
   std::vector<unsigned char> is_found, is_back;
   std::vector<float> errors;
   const cv::Size window(15, 15);
@@ -35,7 +34,6 @@ ImagePair Track(const RigCamera& camera, Timestamp first, const cv::Mat& from, T
     pair.from.emplace_back(corners[i].x, corners[i].y);
     pair.to.emplace_back(tracked[i].x, tracked[i].y);
   }
-  return pair;
 }
 
 }  // namespace
@@ -59,17 +57,36 @@ double ImagePair::MedianMotion() const {
 
 bool ImagePairs::Wants(Timestamp time) const { return first_ || !next_ || time >= *next_; }
 
-void ImagePairs::Include(Timestamp time, const cv::Mat& image) {
-  if (first_ && time > *first_ && time - *first_ < kMaxStep) {
-    pairs_.push_back(Track(*camera_, *first_, first_image_, time, image));
-    first_.reset();
-    first_image_.release();
-    next_ = time + interval_;
-    if (pairs_.size() > kMaxPairs) Thin();
+void ImagePairs::Include(Timestamp time, UndecodedImage image) {
+  if (!first_ || time <= *first_ || time - *first_ >= kMaxStep) {
+    first_ = time;
+    first_image_ = std::move(image);
     return;
   }
-  first_ = time;
-  first_image_ = image.clone();
+  ImagePair& pair = pairs_.emplace_back();
+  pair.first = *std::exchange(first_, std::nullopt);
+  pair.second = time;
+  waiting_.emplace_back(Waiting{std::exchange(first_image_, {}), std::move(image)});
+  num_waiting_bytes_ += waiting_.back()->num_bytes();
+  next_ = time + interval_;
+  if (pairs_.size() > kMaxPairs) Thin();
+}
+
+void ImagePairs::Follow() {
+  std::vector<char> is_lost(pairs_.size(), false);
+  ParallelFor(pairs_.size(), [&](std::size_t i) {
+    if (!waiting_[i]) return;
+    const Waiting images = *std::exchange(waiting_[i], std::nullopt);
+    const cv::Mat from = images.from.decode(), to = images.to.decode();
+    is_lost[i] = from.empty() || to.empty();
+    if (!is_lost[i]) FollowPoints(*camera_, from, to, pairs_[i]);
+  });
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < pairs_.size(); ++i)
+    if (!is_lost[i] && count++ != i) pairs_[count - 1] = std::move(pairs_[i]);
+  pairs_.resize(count);
+  waiting_.assign(count, std::nullopt);
+  num_waiting_bytes_ = 0;
 }
 
 double ImagePairs::Noise() const {
@@ -81,8 +98,15 @@ double ImagePairs::Noise() const {
 }
 
 void ImagePairs::Thin() {
-  for (std::size_t i = 0; 2 * i < pairs_.size(); ++i) pairs_[i] = std::move(pairs_[2 * i]);
-  pairs_.resize((pairs_.size() + 1) / 2);
+  const std::size_t count = (pairs_.size() + 1) / 2;
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    if (i % 2 == 1 && waiting_[i]) num_waiting_bytes_ -= waiting_[i]->num_bytes();
+    if (i % 2 == 1 || i == 0) continue;
+    pairs_[i / 2] = std::move(pairs_[i]);
+    waiting_[i / 2] = std::move(waiting_[i]);
+  }
+  pairs_.resize(count);
+  waiting_.resize(count);
   interval_ *= 2;
 }
 

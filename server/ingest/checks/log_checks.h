@@ -35,6 +35,7 @@ class LogChecks {
   void Include(const GnssFix& fix);
   CameraChecks& cameras() { return cameras_; }
 
+  /// After all samples, and CameraChecks::FollowPairs.
   std::vector<Finding> Findings(const CheckedTopics& topics) const;
 
   /// When the IMU repeated one reading: what is not to be used.

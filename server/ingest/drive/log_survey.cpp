@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "core/error.h"
 #include "server/ingest/checks/gyroscope_findings.h"
@@ -47,14 +48,22 @@ class ImageSurvey {
   std::string fault_;
 };
 
-void IncludeImage(const EncodedImage& image, Timestamp time, const SensorStream& stream,
-                  const RigCamera& camera, CameraChecks& checks) {
-  const DecodedImage decoded = DecodeEncoded(image, stream,
-                                             {.width = camera.model.width(),
-                                              .height = camera.model.height(),
-                                              .grayscale = true,
-                                              .sample_bits = stream.sample_bits});
-  if (decoded.fault == ImageFault::kNone) checks.IncludeImage(stream.camera, time, decoded.image);
+/// One of a video is decoded at once: later it would need those before it again.
+UndecodedImage Undecoded(EncodedImage image, const SensorStream& stream, const RigCamera& camera) {
+  const ImageRequest request{.width = camera.model.width(),
+                             .height = camera.model.height(),
+                             .grayscale = true,
+                             .sample_bits = stream.sample_bits};
+  const auto decode = [&stream, request](const EncodedImage& encoded) {
+    const DecodedImage decoded = DecodeEncoded(encoded, stream, request);
+    return decoded.fault == ImageFault::kNone ? decoded.image : cv::Mat();
+  };
+  if (image.track) {
+    const cv::Mat decoded = decode(image);
+    return {[decoded] { return decoded; }, decoded.total()};
+  }
+  const std::size_t num_bytes = image.message.data.size();
+  return {[decode, image = std::move(image)] { return decode(image); }, num_bytes};
 }
 
 /// Takes streams out of the survey.
@@ -134,19 +143,20 @@ LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> strea
   std::vector<ImageSurvey> images(survey.streams.size());
   LogChecks checks(rig);
   std::optional<Timestamp> front;
-  while (const std::optional<Arrival> arrival = arrivals.Next()) {
+  while (std::optional<Arrival> arrival = arrivals.Next()) {
     const auto index = static_cast<std::size_t>(arrival->stream);
     survey.span.Include(arrival->time);
     front = front ? std::max(*front, arrival->time) : arrival->time;
     const double lag = *front - arrival->time;
     if (lag <= kMaxReorderWindow) survey.reorder_window = std::max(survey.reorder_window, lag);
-    if (const auto* image = std::get_if<EncodedImage>(&arrival->content)) {
+    if (auto* image = std::get_if<EncodedImage>(&arrival->content)) {
       const SensorStream& stream = survey.streams[index];
       const RigCamera& camera = rig.cameras[static_cast<std::size_t>(stream.camera)];
       images[index].Include(*image, stream, camera);
       if (stream.kind == StreamKind::kImage &&
           checks.cameras().WantsImage(stream.camera, arrival->time))
-        IncludeImage(*image, arrival->time, stream, camera, checks.cameras());
+        checks.cameras().IncludeImage(stream.camera, arrival->time,
+                                      Undecoded(std::move(*image), stream, camera));
     } else if (const auto* imu = std::get_if<ImuSample>(&arrival->content)) {
       checks.Include(*imu);
     } else if (const auto* wheels = std::get_if<WheelSample>(&arrival->content)) {
@@ -155,6 +165,7 @@ LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> strea
       checks.Include(*fix);
     }
   }
+  checks.cameras().FollowPairs();
   for (std::size_t i = 0; i < survey.streams.size(); ++i) {
     SensorStream& stream = survey.streams[i];
     stream.sample_bits = images[i].sample_bits();

@@ -123,6 +123,33 @@ TEST_F(ChartPainters, PutThePatternOfTheGroundWhereItIs) {
   EXPECT_LT(difference.largest, 12);
 }
 
+/// Images that are surely not among the best are left out, and the picture is the same but for texels
+/// of which a camera at its edge shows every second one.
+TEST_F(ChartPainters, LookOnlyAtTheBestOfTheImagesThatTheyExpect) {
+  ChartPainter expecting = NewPainter(), looking_at_all = NewPainter();
+  std::vector<GroundImage> images;
+  for (int i = 0; i < 12; ++i) {
+    const double x = 0.3 * i - 1;
+    images.push_back(ImageFrom(camera_, {x, 2 + 0.1 * (i % 3), 1.2 + 0.1 * x}));
+    images.back().image *= 0.7 + 0.05 * i;  // which ones were taken shows
+  }
+  std::vector<const GroundImage*> expected;
+  for (const GroundImage& image : images) expected.push_back(&image);
+  expecting.Expect(expected, 4);
+  for (const GroundImage& image : images) {
+    expecting.Paint(image, 4);
+    looking_at_all.Paint(image, 4);
+  }
+
+  const TextureChart chart = expecting.Finish(cells_), other = looking_at_all.Finish(cells_);
+
+  cv::Mat difference;
+  cv::absdiff(chart.image, other.image, difference);
+  EXPECT_LE(cv::norm(difference, cv::NORM_INF), 4);
+  EXPECT_LT(cv::mean(difference)[0], 0.002);
+  EXPECT_EQ(cv::norm(chart.mask, other.mask, cv::NORM_INF), 0);
+}
+
 /// An image after steeper ones is left out where it adds nothing; first, it is painted and pushed
 /// out.
 TEST_F(ChartPainters, LeaveOutOnlyWhatAddsNothing) {

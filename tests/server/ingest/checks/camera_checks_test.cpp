@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <opencv2/core.hpp>
@@ -106,14 +107,16 @@ class TurningCar {
       if (i % static_cast<int>(100 / kRate) == 0)
         for (size_t camera = 0; camera < 3; ++camera)
           if (checks.WantsImage(static_cast<int>(camera), stamp)) {
-            const cv::Mat image = Look(fault.from[camera], Leaning(pose, time));
+            const cv::Mat seen = Look(fault.from[camera], Leaning(pose, time));
+            const cv::Mat image = fault.alter ? fault.alter(camera, seen) : seen;
             checks.IncludeImage(static_cast<int>(camera), stamp,
-                                fault.alter ? fault.alter(camera, image) : image);
+                                {[image] { return image; }, image.total()});
           }
       heading += 0.01 * YawRateAt(time + 0.005);
       pose.rotation = ExpSo3({0, 0, heading});
       pose.translation += pose.rotation * Eigen::Vector3d(0.01 * kSpeed, 0, 0);
     }
+    checks.FollowPairs();
     return wheels;
   }
 
@@ -136,6 +139,31 @@ class TurningCar {
   Rig rig_;
   std::vector<Eigen::Vector3d> points_;
 };
+
+TEST(ImagePairs, DecodeOnlyThePairsThatAreLeft) {
+  const TurningCar car;
+  ImagePairs pairs(car.rig().cameras[0]);
+  std::atomic<int> num_decoded = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Timestamp time = kBegin + 0.1 * i;
+    if (!pairs.Wants(time)) continue;
+    const cv::Mat image = i < 20 ? cv::Mat() : car.Look(0, {{}, {0.05 * i, 0, 0}});
+    pairs.Include(time, {[=, &num_decoded] { return ++num_decoded, image; }, 10});
+  }
+  const size_t num_waiting = pairs.num_waiting_bytes() / 20;
+
+  pairs.Follow();
+
+  EXPECT_GT(num_waiting, 20u);
+  EXPECT_LT(num_waiting, 42u);
+  EXPECT_EQ(num_decoded.load(), static_cast<int>(2 * num_waiting));
+  EXPECT_EQ(pairs.num_waiting_bytes(), 0u);
+  // Those of the first two seconds cannot be decoded.
+  ASSERT_LT(pairs.pairs().size(), num_waiting);
+  EXPECT_GT(pairs.pairs().size(), num_waiting - 3);
+  EXPECT_GE(pairs.pairs().front().first - kBegin, 2 - 1e-9);
+  for (const ImagePair& pair : pairs.pairs()) EXPECT_NEAR(pair.second - pair.first, 0.1, 1e-6);
+}
 
 TEST(CameraChecks, SayNothingAboutCamerasThatFit) { EXPECT_TRUE(TurningCar().Check({}).empty()); }
 
