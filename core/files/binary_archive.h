@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -125,6 +126,14 @@ void SerializeValue(Archive& archive, std::optional<Item>& item) {
   if (has_value && !item) item.emplace();
   if (!has_value) item.reset();
   if (item) archive(*item);
+}
+
+template <typename Archive, typename Key, typename Item>
+void SerializeValue(Archive& archive, std::map<Key, Item>& items) {
+  std::vector<std::pair<Key, Item>> list(items.begin(), items.end());
+  list.resize(archive.Count(list.size()));
+  for (auto& [key, item] : list) archive(key, item);
+  items = std::map<Key, Item>(list.begin(), list.end());
 }
 
 template <typename Archive, typename Item, size_t N>

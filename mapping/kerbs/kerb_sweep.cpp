@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "core/parallel.h"
 #include "mapping/kerbs/samples_around.h"
@@ -15,7 +16,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kBlock = 24.0;  // [m] side of squares of the site whose strips are swept at once
-constexpr std::size_t kMaxViews = 60;  // of a strip: the nearest
+constexpr std::size_t kMaxViews = 60;  // of a strip: the nearest ...
+constexpr int kMaxDrives = 4;          // ... of the latest drives that look at it
 constexpr double kMinEyeHeight = 0.3;  // [m] above the ground
 constexpr double kMaxEyeHeight = 2.5;  // [m]; higher ones are on another deck
 constexpr double kMinAway = 0.3;    // [m] of the camera from the outline, on the side of the ground
@@ -40,21 +42,26 @@ struct Seen {
   double distance = 0;  ///< [m]
 };
 
-/// Which views look at a strip, the nearest first.
+/// Which views look at a strip, the nearest first. What it costs is not to grow with the number of
+/// drives.
 std::vector<Seen> FindViews(const OutlineStrip& strip, std::span<const PatchView> views,
                             std::span<const Vector3d> eyes) {
   std::vector<Seen> seen;
-  for (std::size_t i = 0; i < views.size(); ++i) {
+  int num_drives = 0;
+  for (std::size_t i = views.size(); i-- > 0;) {
     const Vector3d to_eye = eyes[i] - strip.foot;
     const double distance = to_eye.head<2>().norm();
     if (distance > kMaxKerbDistance || to_eye.z() < kMinEyeHeight || to_eye.z() > kMaxEyeHeight)
       continue;
     if (-to_eye.head<2>().dot(strip.Outward()) < kMinAway) continue;
     if (views[i].extent.exteriorDistance(strip.foot.head<2>().eval()) > 0) continue;
+    const bool is_of_another = seen.empty() || views[seen.back().patch].drive != views[i].drive;
+    if (is_of_another && ++num_drives > kMaxDrives) break;
     seen.push_back({i, distance});
   }
-  std::stable_sort(seen.begin(), seen.end(),
-                   [](const Seen& a, const Seen& b) { return a.distance < b.distance; });
+  std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) {
+    return std::tie(a.distance, a.patch) < std::tie(b.distance, b.patch);
+  });
   if (seen.size() > kMaxViews) seen.resize(kMaxViews);
   return seen;
 }

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <optional>
 
+#include "core/math/fast_floor.h"
 #include "core/parallel.h"
+#include "mapping/ground/isometry_of.h"
 #include "mapping/ground/patch_index.h"
 
 namespace parkade {
@@ -46,8 +48,7 @@ class SlotSquares {
   /// Calls `visit(slot)` for those that may lie at a point.
   template <typename Visitor>
   void VisitAt(const Eigen::Vector3d& point, const Visitor& visit) const {
-    for (int entry = squares_.First(static_cast<int>(std::floor(point.x() / kSquare)),
-                                    static_cast<int>(std::floor(point.y() / kSquare)));
+    for (int entry = squares_.First(FastFloor(point.x() / kSquare), FastFloor(point.y() / kSquare));
          entry != PatchIndex::kNone; entry = squares_.Next(entry))
       visit(slots_[static_cast<std::size_t>(entry)]);
   }
@@ -61,23 +62,23 @@ class SlotSquares {
 struct SlotGrid {
   Eigen::Vector3d origin;
   Eigen::Vector2d across, inward;  ///< unit vectors
-  double width = 0, length = 0;    ///< [m]
+  double columns_per_meter = 0, rows_per_meter = 0;
 
   explicit SlotGrid(const ParkingSlot& slot) {
     origin = slot.corners[0];
     across = (slot.corners[1] - slot.corners[0]).head<2>().normalized();
     inward = Eigen::Vector2d(-across.y(), across.x());
-    width = slot.Entrance(), length = slot.Depth();
+    columns_per_meter = kColumns / (slot.Entrance() - 2 * kSideMargin);
+    rows_per_meter = kRows / (slot.Depth() - 2 * kEndMargin);
   }
 
   /// Index of the cell at a point on the slot's plane, or nothing.
   std::optional<std::size_t> CellAt(const Eigen::Vector2d& point) const {
     const Eigen::Vector2d offset = point - origin.head<2>();
-    const double u = (offset.dot(across) - kSideMargin) / (width - 2 * kSideMargin);
-    const double v = (offset.dot(inward) - kEndMargin) / (length - 2 * kEndMargin);
-    if (!(u >= 0 && u < 1 && v >= 0 && v < 1)) return {};
-    return static_cast<std::size_t>(static_cast<int>(v * kRows) * kColumns +
-                                    static_cast<int>(u * kColumns));
+    const double column = (offset.dot(across) - kSideMargin) * columns_per_meter;
+    const double row = (offset.dot(inward) - kEndMargin) * rows_per_meter;
+    if (!(column >= 0 && column < kColumns && row >= 0 && row < kRows)) return {};
+    return static_cast<std::size_t>(static_cast<int>(row) * kColumns + static_cast<int>(column));
   }
 };
 
@@ -101,9 +102,10 @@ std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenP
   std::optional<Eigen::Vector3d> eye;
   if (path != nullptr && camera < path->cameras_in_body.size())
     eye = patch.site_from_body * path->cameras_in_body[camera];
+  const Eigen::Isometry3d site_from_body = IsometryOf(patch.site_from_body);
   for (const GroundSample& sample : patch.patch.samples) {
     if (sample.confidence <= 0) continue;
-    const Eigen::Vector3d point = patch.site_from_body * sample.point_in_body.cast<double>();
+    const Eigen::Vector3d point = site_from_body * sample.point_in_body.cast<double>();
     squares.VisitAt(point, [&](std::size_t slot) {
       const double height = grids[slot].origin.z();
       if (std::abs(point.z() - height) > kMaxHeightStep) return;

@@ -30,30 +30,40 @@ bool Stands(const GroundSample& sample) {
 
 }  // namespace
 
-VisibilityHorizon::VisibilityHorizon(const Rigid3& site_from_camera, const Rigid3& site_from_ground,
-                                     double max_range, const CellFinder& cells)
-    : ranges_(kNumRayDirections, static_cast<float>(max_range)) {
+FreeRays::FreeRays(const Rigid3& site_from_camera, const Rigid3& site_from_ground, double max_range,
+                   const CellFinder& cells)
+    : eye_(site_from_camera.translation.head<2>()), max_range_(max_range), cells_(&cells) {
   const Eigen::Vector3d normal = site_from_ground.rotation * Eigen::Vector3d::UnitZ();
-  const Eigen::Vector2d slope = -normal.head<2>() / normal.z();
-  const Eigen::Vector2d eye = site_from_camera.translation.head<2>();
-  const double height =
-      site_from_ground.translation.z() + slope.dot(eye - site_from_ground.translation.head<2>());
-  for (int i = 0; i < kNumRayDirections; ++i) {
-    const double angle = (i + 0.5) / kNumRayDirections * 2 * std::numbers::pi - std::numbers::pi;
-    const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
-    double last_free = kNearest;
-    const int num_steps = static_cast<int>(std::ceil((max_range - kNearest) / kStep));
-    for (int step = 0; step < num_steps; ++step) {
-      const double range = kNearest + step * kStep;
-      const Eigen::Vector2d place = eye + range * along;
-      const SurfaceCell* cell =
-          cells.Find({place.x(), place.y(), height + range * slope.dot(along)});
-      if (cell != nullptr && cell->free_belief > 0.5F) last_free = range;
-      if (range - last_free < kMinObstacle) continue;
-      ranges_[static_cast<std::size_t>(i)] = static_cast<float>(last_free);
-      break;
-    }
+  slope_ = -normal.head<2>() / normal.z();
+  height_ =
+      site_from_ground.translation.z() + slope_.dot(eye_ - site_from_ground.translation.head<2>());
+}
+
+float FreeRays::RangeAlong(int direction) const {
+  const double angle =
+      (direction + 0.5) / kNumRayDirections * 2 * std::numbers::pi - std::numbers::pi;
+  const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
+  double last_free = kNearest;
+  const int num_steps = static_cast<int>(std::ceil((max_range_ - kNearest) / kStep));
+  for (int step = 0; step < num_steps; ++step) {
+    const double range = kNearest + step * kStep;
+    const Eigen::Vector2d place = eye_ + range * along;
+    const SurfaceCell* cell =
+        cells_->Find({place.x(), place.y(), height_ + range * slope_.dot(along)});
+    if (cell != nullptr && cell->free_belief > 0.5F) last_free = range;
+    if (range - last_free >= kMinObstacle) return static_cast<float>(last_free);
   }
+  return static_cast<float>(max_range_);
+}
+
+bool FreeRays::Reach(const Eigen::Vector2d& point) const {
+  const Eigen::Vector2d ray = point - eye_;
+  return static_cast<float>(ray.norm()) <= RangeAlong(DirectionOf(ray)) + kMargin;
+}
+
+VisibilityHorizon::VisibilityHorizon(const FreeRays& rays) {
+  ranges_.reserve(kNumRayDirections);
+  for (int i = 0; i < kNumRayDirections; ++i) ranges_.push_back(rays.RangeAlong(i));
 }
 
 void VisibilityHorizon::HideBehind(const PosedGroundPatch& seen, const Eigen::Vector2d& eye) {

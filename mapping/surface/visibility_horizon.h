@@ -9,6 +9,28 @@
 
 namespace parkade {
 
+/// How far the ground is free on rays from a camera, on the plane on which its car stands: where
+/// none is free for a quarter of a meter, something stands. Nearer than 0.8 m everything is open.
+class FreeRays {
+ public:
+  /// \param max_range  [m] horizontally, beyond which nothing is looked for and everything is
+  /// hidden
+  /// \param cells  borrowed
+  FreeRays(const Rigid3& site_from_camera, const Rigid3& site_from_ground, double max_range,
+           const CellFinder& cells);
+
+  /// [m] in one of kNumRayDirections.
+  float RangeAlong(int direction) const;
+  /// Whether the ground is free as far as a point.
+  bool Reach(const Eigen::Vector2d& point) const;
+
+ private:
+  Eigen::Vector2d eye_, slope_;
+  double height_;  // [m] of the plane below the eye
+  double max_range_;
+  const CellFinder* cells_;
+};
+
 /// How far a camera sees the ground before something stands on it, by direction: what is behind
 /// shows in an image as the side of a car or a hedge. How high that is nobody knows, so that it
 /// hides whatever follows.
@@ -17,12 +39,8 @@ class VisibilityHorizon {
   /// Nothing stands anywhere.
   VisibilityHorizon() = default;
 
-  /// Ground is looked for along rays from the camera, on the plane on which the car stands: where
-  /// there is none that is free for a quarter of a meter, something stands. Nearer than 0.8 m
-  /// everything is open. \param max_range  [m] horizontally, beyond which nothing is looked for and
-  /// everything is hidden
-  VisibilityHorizon(const Rigid3& site_from_camera, const Rigid3& site_from_ground,
-                    double max_range, const CellFinder& cells);
+  /// What the ground says: FreeRays in all directions.
+  explicit VisibilityHorizon(const FreeRays& rays);
 
   /// Hides what follows on anything that an image of the camera, which was at `eye` [m], shows to
   /// stand on the ground: what has left since, and what ends between directions.

@@ -70,7 +70,7 @@ class PlaceSquares {
 
 std::vector<bool> ChooseImages(std::span<GroundImage> images,
                                std::span<const Eigen::Vector3d> places, double max_range,
-                               const std::function<void(std::size_t image)>& prepare) {
+                               const std::optional<ObstacleChecks>& obstacles) {
   PlaceSquares squares(places);
   std::vector<bool> is_chosen(images.size());
   for (std::size_t i = images.size(); i-- > 0;) {
@@ -93,8 +93,12 @@ std::vector<bool> ChooseImages(std::span<GroundImage> images,
       if (steepness > 0) shown.emplace_back(&place, steepness);
     });
     if (count_served() < kMinPlaces) continue;
-    if (prepare) {
-      prepare(i);
+    if (obstacles) {
+      std::erase_if(shown, [&](const auto& observation) {
+        return !obstacles->may_show(i, observation.first->point.template head<2>());
+      });
+      if (count_served() < kMinPlaces) continue;
+      obstacles->prepare(i);
       std::erase_if(shown, [&](const auto& observation) {
         return !image.open_ground.Shows(eye.head<2>(), observation.first->point.template head<2>());
       });

@@ -2,12 +2,22 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "mapping/texture/chart_painter.h"
 
 namespace parkade {
+
+/// What stands in the way of images, by their indices.
+struct ObstacleChecks {
+  /// Whether the image may show a place; asked first, of some places.
+  std::function<bool(std::size_t image, const Eigen::Vector2d& place)> may_show;
+  /// Says what of the ground the image shows (open_ground); asked once of images that may be
+  /// chosen.
+  std::function<void(std::size_t image)> prepare;
+};
 
 /// Which images of many to read, so that what is read is in proportion to the ground and not to the
 /// number of times that somebody drove over it: those that show some places clearly more steeply
@@ -18,10 +28,10 @@ namespace parkade {
 ///
 /// \param images   drive by drive, the latest last; their images are not looked at
 /// \param places   [m] in site, on the ground, evenly spread
-/// \param prepare  is called once with the index of each image that may be chosen: says what of the
-/// ground it shows (open_ground) \return for each image whether it is chosen
+/// \param obstacles  nothing stands anywhere without
+/// \return for each image whether it is chosen
 std::vector<bool> ChooseImages(std::span<GroundImage> images,
                                std::span<const Eigen::Vector3d> places, double max_range,
-                               const std::function<void(std::size_t image)>& prepare = {});
+                               const std::optional<ObstacleChecks>& obstacles = std::nullopt);
 
 }  // namespace parkade

@@ -271,14 +271,21 @@ GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface,
   }
   std::vector<ChartSquare> squares = CutIntoSquares(mesh, options.chart_size);
   const CellFinder cells(surface);
-  const std::vector<bool> is_chosen = ChooseImages(
-      images, PlacesOn(squares, mesh, kPlaceDistance), options.max_range, [&](std::size_t i) {
-        GroundImage& image = images[i];
-        image.open_ground = VisibilityHorizon(image.site_from_camera, image.site_from_ground,
-                                              options.max_range, cells);
-        image.open_ground.HideBehind(patches.Read(used[i]),
-                                     image.site_from_camera.translation.head<2>());
-      });
+  const auto free_rays = [&](std::size_t i) {
+    return FreeRays(images[i].site_from_camera, images[i].site_from_ground, options.max_range,
+                    cells);
+  };
+  const ObstacleChecks obstacles{
+      .may_show = [&](std::size_t i,
+                      const Eigen::Vector2d& place) { return free_rays(i).Reach(place); },
+      .prepare =
+          [&](std::size_t i) {
+            images[i].open_ground = VisibilityHorizon(free_rays(i));
+            images[i].open_ground.HideBehind(patches.Read(used[i]),
+                                             images[i].site_from_camera.translation.head<2>());
+          }};
+  const std::vector<bool> is_chosen =
+      ChooseImages(images, PlacesOn(squares, mesh, kPlaceDistance), options.max_range, obstacles);
   std::vector<ChosenImage> chosen;
   for (std::size_t i = 0; i < images.size(); ++i)
     if (is_chosen[i]) {

@@ -48,9 +48,16 @@ std::vector<std::string> SplitAtCommas(const std::string& text) {
   return parts;
 }
 
+/// What was found in logs of drives that are not in the map.
+void ForgetLeftOut(const BuiltMap& built, const std::filesystem::path& folder) {
+  for (const LeftOutDrive& drive : built.left_out)
+    if (!drive.log && std::none_of(built.site.drives.begin(), built.site.drives.end(),
+                                   [&](const SiteDrive& kept) { return kept.name == drive.name; }))
+      std::filesystem::remove_all(folder / drive.name);
+}
+
 void WriteProducts(const OpenedLogs& logs, const BuiltMap& built, const MapOptions& options,
-                   const std::map<std::string, DriveInputs>& inputs, Progress& progress,
-                   const std::filesystem::path& folder) {
+                   Progress& progress, const std::filesystem::path& folder) {
   progress.Begin("write");
   WriteSiteMap(built.site, folder);
   WriteSurface(built.site.surface, folder / "surface.bin");
@@ -69,7 +76,7 @@ void WriteProducts(const OpenedLogs& logs, const BuiltMap& built, const MapOptio
                      folder / drive.name / "calibration.yaml");
   }
   progress.Finish();
-  WriteReport(built, logs.drives, options, inputs, progress.timings(), folder / "report.json");
+  WriteReport(built, logs.drives, options, logs.inputs, progress.timings(), folder / "report.json");
 }
 
 /// "DRIVE:LOOP", or only "LOOP" where there is one drive.
@@ -152,12 +159,13 @@ void PrepareAndKeep(const MapArguments& all, const MapOptions& options, Progress
   one.logs = {all.logs[index]};
   if (all.rigs.size() > 1) one.rigs = {all.rigs.at(index)};
   const OutputFolder output(one.out);
-  const OpenedLogs logs = OpenLogs(one.logs, one.rigs, OpenOptionsOf(one), one.skips_bad);
+  const OpenedLogs logs = OpenLogs(one.logs, one.rigs, OpenOptionsOf(one), one.skips_bad,
+                                   {one.from, output.staging(), one.work, one.out});
   const std::string& name = logs.drives.front()->name();
   one.rejected_loops = OnlyOf(name, all.rejected_loops);
   one.forced_loops = OnlyOf(name, all.forced_loops);
   BuildScope scope = BuildScopeOf(one, logs.drives, output.staging());
-  scope.logs[name] = HashInputs(logs.sources, one.out).at(name).log.sha256;
+  scope.logs[name] = logs.inputs.at(name).log.sha256;
   PrepareDrive(logs.drives.front(), options, scope, progress);
 }
 
@@ -166,17 +174,17 @@ void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Pro
   std::vector<SitePin> pins = PinsOf(arguments, options.pins);
   OutputFolder output(arguments.out);
   const OpenedLogs logs =
-      OpenLogs(arguments.logs, arguments.rigs, OpenOptionsOf(arguments), arguments.skips_bad);
+      OpenLogs(arguments.logs, arguments.rigs, OpenOptionsOf(arguments), arguments.skips_bad,
+               {arguments.from, output.staging(), arguments.work, arguments.out});
   RequireOverwritable(arguments.out, NamesOf(logs.drives));
   CheckLinks(arguments, NamesOf(logs.drives));
   BuildScope scope = BuildScopeOf(arguments, logs.drives, output.staging());
   scope.unreadable = logs.unreadable;
   scope.pins = std::move(pins);
-  // A file that cannot be read is reported now, not after a long drive was tracked.
-  const std::map<std::string, DriveInputs> inputs = HashInputs(logs.sources, arguments.out);
-  for (const auto& [name, input] : inputs) scope.logs[name] = input.log.sha256;
+  for (const auto& [name, input] : logs.inputs) scope.logs[name] = input.log.sha256;
   const BuiltMap built = BuildMap(logs.drives, options, scope, progress);
-  WriteProducts(logs, built, options, inputs, progress, output.staging());
+  ForgetLeftOut(built, output.staging());
+  WriteProducts(logs, built, options, progress, output.staging());
   RemoveRestOfOldMap(arguments.out, output.staging());
   output.Commit();
   for (const std::string& warning : built.warnings) LogWarning(warning);

@@ -3,21 +3,54 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/version.h"
+#include "server/ingest/drive/log_survey.h"
+#include "server/map_folder/stage_cache.h"
 
 namespace parkade {
 
+namespace {
+
+/// All that a log's survey depends on.
+std::string KeyOfSurvey(const DriveInputs& inputs, const OpenLogOptions& options) {
+  std::vector<std::string> parts = {kVersion,
+                                    std::to_string(kSurveyVersion),
+                                    inputs.log.sha256,
+                                    inputs.rig ? inputs.rig->sha256 : "",
+                                    options.use_wheels ? "wheels" : "",
+                                    options.use_gnss ? "gnss" : ""};
+  parts.insert(parts.end(), options.cameras.begin(), options.cameras.end());
+  return KeyOf(parts);
+}
+
+/// The drives of one log, and what they are made from.
+std::pair<std::vector<std::unique_ptr<RecordedDrive>>, DriveInputs> OpenOne(
+    const std::string& log, OpenLogOptions options, const BuildFolders& folders) {
+  const StageCache cache(folders.from, folders.products, folders.work);
+  DriveInputs inputs;
+  options.keep_survey = [&](const std::string& drive, const std::function<std::string()>& find) {
+    inputs.log = HashInput(log, folders.out);
+    if (!options.rig_folder.empty()) inputs.rig = HashInput(options.rig_folder);
+    return cache.Get(drive + "/survey.bin", KeyOfSurvey(inputs, options), find);
+  };
+  auto drives = OpenDriveLogs(log, options);
+  return {std::move(drives), std::move(inputs)};
+}
+
+}  // namespace
+
 OpenedLogs OpenLogs(const std::vector<std::string>& logs, const std::vector<std::string>& rigs,
-                    OpenLogOptions options, bool skips_bad) {
+                    OpenLogOptions options, bool skips_bad, const BuildFolders& folders) {
   OpenedLogs opened;
-  auto& [drives, sources, unreadable] = opened;
+  auto& [drives, inputs, unreadable] = opened;
   Require(rigs.size() <= 1 || rigs.size() == logs.size(), ErrorCode::kUsage,
           "--rig is given once for all logs, or once for each, in their order");
   for (size_t i = 0; i < logs.size(); ++i) {
     const std::string rig = rigs.empty() ? "-" : rigs[std::min(i, rigs.size() - 1)];
     options.rig_folder = rig == "-" ? "" : rig;
-    std::vector<std::unique_ptr<RecordedDrive>> of_log;
+    std::pair<std::vector<std::unique_ptr<RecordedDrive>>, DriveInputs> of_log;
     try {
-      of_log = OpenDriveLogs(logs[i], options);
+      of_log = OpenOne(logs[i], options, folders);
     } catch (const Error& error) {
       if (logs.size() == 1 || error.code() != ErrorCode::kInvalidInput) throw;
       Require(skips_bad, ErrorCode::kInvalidInput,
@@ -25,10 +58,9 @@ OpenedLogs OpenLogs(const std::vector<std::string>& logs, const std::vector<std:
       unreadable.push_back({std::filesystem::path(logs[i]).stem(), error.what()});
       continue;
     }
-    for (std::unique_ptr<RecordedDrive>& drive : of_log) {
-      const DriveSource source{logs[i], options.rig_folder};
+    for (std::unique_ptr<RecordedDrive>& drive : of_log.first) {
       Require(
-          sources.emplace(drive->name(), source).second, ErrorCode::kInvalidInput,
+          inputs.emplace(drive->name(), of_log.second).second, ErrorCode::kInvalidInput,
           "two of the logs are called '" + drive->name() + "'; a drive's name is that of its file");
       drives.push_back(std::move(drive));
     }
@@ -48,16 +80,6 @@ std::vector<std::string> NamesOf(const std::vector<std::unique_ptr<RecordedDrive
   names.reserve(drives.size());
   for (const auto& drive : drives) names.push_back(drive->name());
   return names;
-}
-
-std::map<std::string, DriveInputs> HashInputs(const std::map<std::string, DriveSource>& sources,
-                                              const std::filesystem::path& out) {
-  std::map<std::string, DriveInputs> inputs;
-  for (const auto& [name, source] : sources) {
-    inputs[name].log = HashInput(source.log, out);
-    if (!source.rig.empty()) inputs[name].rig = HashInput(source.rig);
-  }
-  return inputs;
 }
 
 }  // namespace parkade

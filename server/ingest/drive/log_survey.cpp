@@ -5,7 +5,9 @@
 #include <functional>
 #include <utility>
 
+#include "core/binary_serialization.h"
 #include "core/error.h"
+#include "core/files/binary_archive.h"
 #include "server/ingest/checks/gyroscope_findings.h"
 #include "server/ingest/checks/imu_checks.h"
 #include "server/ingest/checks/log_checks.h"
@@ -15,6 +17,52 @@
 #include "server/ingest/messages/image_decoding.h"
 
 namespace parkade {
+
+template <typename Archive>
+void Serialize(Archive& archive, TimeSpan& span) {
+  archive(span.begin, span.end);
+}
+
+template <typename Archive>
+void Serialize(Archive& archive, ClockRun& run) {
+  archive(run.begin, run.correction, run.stretch);
+}
+
+template <typename Archive>
+void Serialize(Archive& archive, SensorStream& stream) {
+  archive(stream.kind, stream.topic, stream.camera, stream.role, stream.topic_name, stream.type,
+          stream.encoding, stream.time_shift, stream.stuck, stream.clock, stream.acceleration_scale,
+          stream.rate_scale, stream.speed_scale, stream.is_speed_from_pose, stream.sample_bits);
+}
+
+template <typename Archive>
+void Serialize(Archive& archive, StreamHealth& health) {
+  archive(health.topic, health.role, health.num_delivered, health.num_dropped, health.off_clock_by,
+          health.span, health.longest_gap, health.longest_gap_begin);
+}
+
+template <typename Archive>
+void Serialize(Archive& archive, LostRange& range) {
+  archive(range.what, range.topic, range.time, range.num_messages);
+}
+
+template <typename Archive>
+void Serialize(Archive& archive, DamageReport& damage) {
+  archive(damage.ranges, damage.num_lost_messages, damage.is_truncated);
+}
+
+template <typename Archive>
+void Serialize(Archive& archive, Finding& finding) {
+  archive(finding.name, finding.severity, finding.topic, finding.sentence, finding.advice,
+          finding.evidence);
+}
+
+template <typename Archive>
+void Serialize(Archive& archive, LogSurvey& survey) {
+  archive(survey.span, survey.reorder_window, survey.streams, survey.health, survey.damage,
+          survey.findings, survey.stretch, survey.num_left_out);
+}
+
 namespace {
 
 constexpr double kMaxReorderWindow = 2;  // [s]
@@ -119,6 +167,21 @@ CheckedTopics TopicsOf(const std::vector<SensorStream>& streams, bool has_only_p
 }
 
 }  // namespace
+
+std::string EncodeSurveys(std::vector<LogSurvey> surveys) {
+  BinaryWriter writer;
+  writer(surveys);
+  return writer.bytes();
+}
+
+std::vector<LogSurvey> DecodeSurveys(std::string_view bytes) {
+  std::vector<LogSurvey> surveys;
+  BinaryReader reader(bytes);
+  reader(surveys);
+  Require(reader.is_at_end() && !surveys.empty(), ErrorCode::kInvalidInput,
+          "these are no surveys of a log");
+  return surveys;
+}
 
 bool ClocksMayLeap(const LogSurvey& survey) {
   constexpr double kMaxGap = 2;             // [s] of the IMU

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/rig.h"
@@ -29,6 +30,14 @@ struct LogSurvey {
 /// Error{kInvalidInput} when a camera's images are not of the calibrated size.
 LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> streams, const Rig& rig,
                     int stretch = 0);
+
+/// Raised whenever the layout of EncodeSurveys changes, or what is found in the same log.
+inline constexpr int kSurveyVersion = 1;
+
+/// The surveys of a log's stretches as bytes, every number as it is in memory.
+std::string EncodeSurveys(std::vector<LogSurvey> surveys);
+/// What was encoded. Throws Error{kInvalidInput} for other bytes.
+std::vector<LogSurvey> DecodeSurveys(std::string_view bytes);
 
 /// Whether the stamps of some stream leap, so that its clock has to be looked at.
 bool ClocksMayLeap(const LogSurvey& survey);

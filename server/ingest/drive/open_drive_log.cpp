@@ -107,6 +107,7 @@ bool IsUsable(const LogSurvey& survey) {
 void RefuseByBeginning(const std::shared_ptr<const MessageSource>& source, const fs::path& name,
                        OpenLogOptions options) {
   options.warn = false;
+  options.keep_survey = {};
   try {
     OpenDriveParts(HeadOf(source, {}), name, options);
   } catch (const UnusableLog& error) {
@@ -132,15 +133,21 @@ std::vector<std::shared_ptr<RecordedDriveParts>> OpenDriveParts(
   const std::shared_ptr<const MessageSource> source = MapFields(log, rig);
   StreamSelection selection = SelectStreams(*source, rig, options.use_wheels, options.use_gnss);
   NameTopics(selection.streams, rig);
-  std::vector<LogSurvey> surveys = SurveyStretches(*source, std::move(selection.streams), rig);
-  RequireUsable(surveys.front().findings);
+  const std::string drive = DriveName(name);
+  const auto find = [&] {
+    std::vector<LogSurvey> surveys = SurveyStretches(*source, selection.streams, rig);
+    RequireUsable(surveys.front().findings);
+    return EncodeSurveys(std::move(surveys));
+  };
+  std::vector<LogSurvey> surveys =
+      DecodeSurveys(options.keep_survey ? options.keep_survey(drive, find) : find());
   std::vector<std::shared_ptr<RecordedDriveParts>> drives;
   for (LogSurvey& survey : surveys) {
     if (!IsUsable(survey)) continue;
     auto parts = std::make_shared<RecordedDriveParts>();
     parts->source = source;
     parts->rig = rig;
-    parts->name = DriveName(name);
+    parts->name = drive;
     if (!drives.empty()) parts->name += "_part" + std::to_string(drives.size() + 1);
     parts->num_decode_threads = DecodeThreads(options);
     parts->health = {survey.health, survey.damage, {}};

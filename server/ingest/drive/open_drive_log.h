@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,6 +14,11 @@ namespace parkade {
 
 struct RecordedDriveParts;
 
+/// Where what was found in a log may be kept: takes the drive's name and what finds it, and gives
+/// the bytes that this returned, now or in an earlier build.
+using SurveyKeeper =
+    std::function<std::string(const std::string& drive, const std::function<std::string()>& find)>;
+
 struct OpenLogOptions {
   std::filesystem::path
       rig_folder{};  ///< Kalibr files (core/rig.h ReadRig); empty: the rig comes from the log
@@ -24,6 +30,7 @@ struct OpenLogOptions {
       scratch_folder{};  ///< where archives are unpacked; empty: the system's temporary folder
   bool warn = true;      ///< log the warnings that health() holds as well
   std::uint64_t large_log = kLargeLog;  ///< of logs of this size, the beginning may decide [byte]
+  SurveyKeeper keep_survey{};           ///< asked by OpenDriveLogs; empty: the log is read
   int num_decode_threads = 0;  ///< per pass; 0: one less than core/parallel uses, between 1 and 4
 };
 

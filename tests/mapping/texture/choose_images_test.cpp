@@ -70,16 +70,34 @@ TEST(ChooseImages, WhereSomethingStandsInTheWayAnEarlierDriveIsAsked) {
   std::vector<GroundImage> images = Drives(2);
   const SurfaceMap nothing{0.05, {}};
   const CellFinder no_ground(nothing);
+  std::vector<Eigen::Vector3d> ground = Ground(0, 20);
+  std::erase_if(ground, [](const auto& place) { return std::abs(place.y()) < 1.2; });  // all see it
   int num_prepared = 0;
-  const std::vector<bool> is_chosen = ChooseImages(images, Ground(0, 20), 10, [&](std::size_t i) {
-    GroundImage& image = images[i];
-    ++num_prepared;
-    if (image.drive == 1)
-      image.open_ground = VisibilityHorizon(image.site_from_camera, {}, 10, no_ground);
-  });
+  const auto rays = [&](std::size_t i) {
+    return FreeRays(images[i].site_from_camera, {}, 10, no_ground);
+  };
+  const auto choose = [&](bool asks_before) {
+    num_prepared = 0;
+    return ChooseImages(images, Ground(0, 20), 10,
+                        ObstacleChecks{.may_show =
+                                           [&](std::size_t i, const Eigen::Vector2d& place) {
+                                             return !asks_before || images[i].drive == 0 ||
+                                                    rays(i).Reach(place);
+                                           },
+                                       .prepare =
+                                           [&](std::size_t i) {
+                                             ++num_prepared;
+                                             if (images[i].drive == 1)
+                                               images[i].open_ground = VisibilityHorizon(rays(i));
+                                           }});
+  };
+  const std::vector<bool> is_chosen = choose(false);
 
   EXPECT_GT(std::count(is_chosen.begin(), is_chosen.begin() + 21, true), 10);
   EXPECT_LE(num_prepared, 42);
+  EXPECT_GT(num_prepared, 21);
+  EXPECT_EQ(choose(true), is_chosen);
+  EXPECT_LE(num_prepared, 21) << "what shows nothing is not prepared";
 }
 
 TEST(ChooseImages, OfDrivesThatSeeAlikeTheLatestIsChosen) {

@@ -100,6 +100,52 @@ Records ReadAll(const DriveLog& drive, const ReadOptions& options = {}) {
   return records;
 }
 
+TEST(RecordedDrive, WhatWasFoundInALogBeforeNeedNotBeFoundAgain) {
+  LogPlan plan;
+  plan.has_twist = false;  // of which a note is made
+  const MemorySource log = MakeLog(plan);
+  std::string kept, name;
+  int num_found = 0;
+  const OpenLogOptions keeping{
+      .keep_survey = [&](const std::string& drive, const std::function<std::string()>& find) {
+        name = drive;
+        if (kept.empty()) ++num_found, kept = find();
+        return kept;
+      }};
+
+  const auto drive = Open(log), first = Open(log, keeping), again = Open(log, keeping);
+
+  EXPECT_EQ(num_found, 1);
+  EXPECT_EQ(name, "drive");
+  EXPECT_FALSE(drive->health().findings.empty());
+  const std::string health = HealthToJson(drive->health()).dump();
+  const Records records = ReadAll(*drive);
+  for (const RecordedDrive* same : {first.get(), again.get()}) {
+    EXPECT_EQ(HealthToJson(same->health()).dump(), health);
+    EXPECT_EQ(same->span().begin, drive->span().begin);
+    EXPECT_EQ(same->span().end, drive->span().end);
+    const Records of_same = ReadAll(*same);
+    ASSERT_EQ(records.all.size(), of_same.all.size());
+    EXPECT_EQ(records.wheels, of_same.wheels);
+    for (size_t i = 0; i < records.all.size(); ++i)
+      ASSERT_EQ(TimeOf(records.all[i]), TimeOf(of_same.all[i]));
+  }
+}
+
+TEST(RecordedDrive, OfALogThatCannotBeUsedNothingIsKept) {
+  LogPlan plan;
+  plan.has_imu = false;
+  bool is_kept = false;
+  const OpenLogOptions keeping{
+      .keep_survey = [&](const std::string&, const std::function<std::string()>& find) {
+        std::string bytes = find();
+        is_kept = true;
+        return bytes;
+      }};
+  EXPECT_THROW(Open(MakeLog(plan), keeping), Error);
+  EXPECT_FALSE(is_kept);
+}
+
 TEST(RecordedDrive, BothEncodingsDeliverTheSameRecords) {
   for (const MessageEncoding encoding : {MessageEncoding::kRos1, MessageEncoding::kCdr}) {
     const auto drive = Open(MakeLog({}, encoding));
