@@ -136,6 +136,7 @@ void SeeSlots(const PatchSource& patches, std::span<const DrivenPath> paths, std
               std::vector<ParkingSlot>& slots) {
   const SlotSquares squares(slots);
   std::vector<SlotGrid> grids;
+  grids.reserve(slots.size());
   for (const ParkingSlot& slot : slots) grids.emplace_back(slot);
   std::vector<std::vector<Cells>> cells(num_drives, std::vector<Cells>(slots.size(), Cells{}));
   constexpr std::size_t kBatch = 64;

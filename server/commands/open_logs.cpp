@@ -8,7 +8,6 @@
 #include "server/map_folder/stage_cache.h"
 
 namespace parkade {
-
 namespace {
 
 /// All that a log's survey depends on.

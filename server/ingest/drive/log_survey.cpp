@@ -107,7 +107,7 @@ UndecodedImage Undecoded(EncodedImage image, const SensorStream& stream, const R
     return decoded.fault == ImageFault::kNone ? decoded.image : cv::Mat();
   };
   if (image.track) {
-    const cv::Mat decoded = decode(image);
+    cv::Mat decoded = decode(image);
     return {[decoded] { return decoded; }, decoded.total()};
   }
   const std::size_t num_bytes = image.message.data.size();

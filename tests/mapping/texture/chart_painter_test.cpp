@@ -123,8 +123,8 @@ TEST_F(ChartPainters, PutThePatternOfTheGroundWhereItIs) {
   EXPECT_LT(difference.largest, 12);
 }
 
-/// Images that are surely not among the best are left out, and the picture is the same but for texels
-/// of which a camera at its edge shows every second one.
+/// Images that are surely not among the best are left out, and the picture is the same but for
+/// texels of which a camera at its edge shows every second one.
 TEST_F(ChartPainters, LookOnlyAtTheBestOfTheImagesThatTheyExpect) {
   ChartPainter expecting = NewPainter(), looking_at_all = NewPainter();
   std::vector<GroundImage> images;
@@ -134,6 +134,7 @@ TEST_F(ChartPainters, LookOnlyAtTheBestOfTheImagesThatTheyExpect) {
     images.back().image *= 0.7 + 0.05 * i;  // which ones were taken shows
   }
   std::vector<const GroundImage*> expected;
+  expected.reserve(images.size());
   for (const GroundImage& image : images) expected.push_back(&image);
   expecting.Expect(expected, 4);
   for (const GroundImage& image : images) {

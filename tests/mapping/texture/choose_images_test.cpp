@@ -78,7 +78,7 @@ TEST(ChooseImages, WhereSomethingStandsInTheWayAnEarlierDriveIsAsked) {
   };
   const auto choose = [&](bool asks_before) {
     num_prepared = 0;
-    return ChooseImages(images, Ground(0, 20), 10,
+    return ChooseImages(images, ground, 10,
                         ObstacleChecks{.may_show =
                                            [&](std::size_t i, const Eigen::Vector2d& place) {
                                              return !asks_before || images[i].drive == 0 ||

@@ -108,7 +108,7 @@ class TurningCar {
         for (size_t camera = 0; camera < 3; ++camera)
           if (checks.WantsImage(static_cast<int>(camera), stamp)) {
             const cv::Mat seen = Look(fault.from[camera], Leaning(pose, time));
-            const cv::Mat image = fault.alter ? fault.alter(camera, seen) : seen;
+            cv::Mat image = fault.alter ? fault.alter(camera, seen) : seen;
             checks.IncludeImage(static_cast<int>(camera), stamp,
                                 {[image] { return image; }, image.total()});
           }
