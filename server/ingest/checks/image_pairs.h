@@ -45,7 +45,7 @@ class ImagePairs {
   /// parallel.
   void Follow();
 
-  /// Of those that no longer wait.
+  /// The pairs that no longer wait.
   const std::vector<ImagePair>& pairs() const { return pairs_; }
   /// [gray levels] in the middle of all pairs; 0 where there are none.
   double Noise() const;
