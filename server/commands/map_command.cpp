@@ -48,12 +48,12 @@ std::vector<std::string> SplitAtCommas(const std::string& text) {
   return parts;
 }
 
-/// What was found in logs of drives that are not in the map.
-void ForgetLeftOut(const BuiltMap& built, const std::filesystem::path& folder) {
-  for (const LeftOutDrive& drive : built.left_out)
-    if (!drive.log && std::none_of(built.site.drives.begin(), built.site.drives.end(),
-                                   [&](const SiteDrive& kept) { return kept.name == drive.name; }))
-      std::filesystem::remove_all(folder / drive.name);
+/// Removes what was found in logs of drives that could not be tracked: no folder of a drive is
+/// without its odometry.
+void ForgetUntracked(const OpenedLogs& logs, const std::filesystem::path& folder) {
+  for (const auto& [drive, inputs] : logs.inputs)
+    if (!std::filesystem::exists(folder / drive / "odometry.bin"))
+      std::filesystem::remove_all(folder / drive);
 }
 
 void WriteProducts(const OpenedLogs& logs, const BuiltMap& built, const MapOptions& options,
@@ -183,7 +183,7 @@ void BuildAndWrite(const MapArguments& arguments, const MapOptions& options, Pro
   scope.pins = std::move(pins);
   for (const auto& [name, input] : logs.inputs) scope.logs[name] = input.log.sha256;
   const BuiltMap built = BuildMap(logs.drives, options, scope, progress);
-  ForgetLeftOut(built, output.staging());
+  ForgetUntracked(logs, output.staging());
   WriteProducts(logs, built, options, progress, output.staging());
   RemoveRestOfOldMap(arguments.out, output.staging());
   output.Commit();
