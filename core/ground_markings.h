@@ -88,9 +88,10 @@ struct SpeedBump {
 /// verge.
 struct Kerb {
   std::vector<Eigen::Vector3d> points =
-      {};                   ///< [m] in site, along its foot; the drivable ground lies on the left
-  double height = 0;        ///< [m] of its top above that ground
-  double height_sigma = 0;  ///< [m]
+      {};                    ///< [m] in site, along its foot; the drivable ground lies on the left
+  double height = 0;         ///< [m] of its top above that ground
+  double height_sigma = 0;   ///< [m]
+  double hidden_length = 0;  ///< [m] of it that nobody saw: behind parked cars
 
   double Length() const {  ///< [m]
     double length = 0;

@@ -88,6 +88,7 @@ std::string FormatKerb(const Kerb& kerb, int level, const std::optional<SiteDatu
                            {"height_m", Rounded(kerb.height, 1000)},
                            {"height_sigma_m", Rounded(kerb.height_sigma, 1000)},
                            {"length_m", Rounded(kerb.Length(), 100)},
+                           {"hidden_m", Rounded(kerb.hidden_length, 100)},
                            {"level", level},
                            {"points_m", points}};
   return FormatFeature(properties, "LineString", "[" + coordinates + "]");

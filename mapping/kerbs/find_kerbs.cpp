@@ -6,10 +6,12 @@
 
 #include "core/error.h"
 #include "core/math/statistics.h"
+#include "mapping/kerbs/kerb_gaps.h"
 #include "mapping/kerbs/kerb_lines.h"
 #include "mapping/kerbs/kerb_looks.h"
 #include "mapping/kerbs/kerb_steps.h"
 #include "mapping/kerbs/outline_strips.h"
+#include "mapping/kerbs/usual_height.h"
 
 namespace parkade {
 namespace {
@@ -115,6 +117,17 @@ std::vector<Run> FindRuns(std::span<const OutlineStrip> strips,
   return runs;
 }
 
+/// Where strips were seen to be none.
+std::vector<NoKerb> DeniedKerbs(std::span<const OutlineStrip> strips,
+                                std::span<const KerbLook> looks,
+                                std::span<const std::optional<KerbStep>> steps, double min_height) {
+  std::vector<NoKerb> denied;
+  for (std::size_t i = 0; i < strips.size(); ++i)
+    if (looks[i] == KerbLook::kNone || (steps[i] && steps[i]->height < min_height))
+      denied.push_back({strips[i].foot.head<2>(), strips[i].along});
+  return denied;
+}
+
 }  // namespace
 
 void KerbOptions::Validate() const {
@@ -139,6 +152,8 @@ std::vector<Kerb> FindKerbs(const TriangleMesh& mesh, const SurfaceMap& surface,
     Kerb kerb = KerbOf(run, strips, steps);
     if (kerb.Length() >= kMinLength) kerbs.push_back(std::move(kerb));
   }
+  LeanOnNeighbors(kerbs);
+  CloseGaps(surface, DeniedKerbs(strips, looks, steps, options.min_height), kerbs);
   return kerbs;
 }
 

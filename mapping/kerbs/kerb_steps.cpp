@@ -22,7 +22,8 @@ constexpr double kLeastMisfit = 0.05;
 constexpr float kMinEvidence = 0.05F;  // [nats] of a strip itself
 constexpr double kMaxSigma = 0.015;    // [m]
 constexpr StepPenalties kAlongKerbs{1.2F, 5};
-constexpr float kUsualKerb = 0.12F, kUsualDeviation = 0.04F;  // [m]
+constexpr auto kUsual = static_cast<float>(KerbStep::kUsual),
+               kUsualSigma = static_cast<float>(KerbStep::kUsualSigma);
 constexpr int kMaxChainGap = 3;  // strips from one to the next of a chain
 constexpr double kSeenShare =
     0.5;  // of the samples at the height that has most: with fewer none is judged
@@ -145,7 +146,7 @@ std::optional<KerbStep> MeasuredTop(const HeightCosts& costs, std::size_t strip)
 KerbStep TopOfKerb(const HeightCosts& costs, std::size_t strip) {
   std::vector<float> with_prior;
   for (std::size_t i = 0; i < costs.heights.size(); ++i) {
-    const float off = (costs.heights[i] - kUsualKerb) / kUsualDeviation;
+    const float off = (costs.heights[i] - kUsual) / kUsualSigma;
     with_prior.push_back(costs.Of(costs.summed, strip)[i] + 0.5F * off * off);
   }
   const HeightBelief belief = BeliefOf(with_prior, costs.heights);
@@ -240,7 +241,7 @@ std::vector<std::optional<KerbStep>> MeasureSteps(std::span<const OutlineStrip> 
     if (is_front) top.reset();
     const bool is_near = beyond[i].num_views >= kMinViews;
     if (looks[i] == KerbLook::kKerb && is_near && !is_flat)
-      top = is_front ? KerbStep{kUsualKerb, kUsualDeviation} : TopOfKerb(costs, i);
+      top = is_front ? KerbStep{KerbStep::kUsual, KerbStep::kUsualSigma} : TopOfKerb(costs, i);
     if (!top) continue;
     const std::optional<KerbStep> ground = GroundBefore(SumOf(around, before, true, true));
     if (ground) top->height -= ground->height;

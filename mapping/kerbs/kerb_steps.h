@@ -20,6 +20,7 @@ struct KerbStep {
   static constexpr double kMaxKerb = 0.25;      ///< [m] more is the sill of a car or a wall
   static constexpr double kLeastSigma = 0.005;  ///< [m]
   static constexpr double kStripLength = 0.5;   ///< [m]
+  static constexpr double kUsual = 0.12, kUsualSigma = 0.04;  ///< [m] all that is known before
   static constexpr int kReach = 2;  ///< strips to each side that are asked together with one
 
   double height = 0, sigma = 0;  ///< [m]

@@ -41,6 +41,7 @@ std::vector<Kerb> ReadKerbs(const std::filesystem::path& file) {
     for (const Json& point : properties.at("points_m")) kerb.points.push_back(PointOf(point));
     kerb.height = properties.at("height_m").get<double>();
     kerb.height_sigma = properties.at("height_sigma_m").get<double>();
+    kerb.hidden_length = properties.value("hidden_m", 0.0);
   });
   return kerbs;
 }

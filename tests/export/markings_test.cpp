@@ -86,7 +86,7 @@ TEST(Markings, AreLinesAreasAndBumps) {
 
 TEST(Markings, KerbsHaveTheirHeightAndLengthOnTheirLevel) {
   GroundMarkings markings;
-  markings.kerbs.push_back({{{0, 0, 3}, {4, 0, 3}, {4, 3, 3.1}}, 0.1184, 0.0061});
+  markings.kerbs.push_back({{{0, 0, 3}, {4, 0, 3}, {4, 3, 3.1}}, 0.1184, 0.0061, 3.456});
   const json features = json::parse(EncodeMarkingsGeoJson(markings, TwoDecks(), {})).at("features");
   ASSERT_EQ(features.size(), 1U);
   EXPECT_EQ(features[0].at("geometry").at("type"), "LineString");
@@ -97,6 +97,7 @@ TEST(Markings, KerbsHaveTheirHeightAndLengthOnTheirLevel) {
   EXPECT_DOUBLE_EQ(properties.at("height_m"), 0.118);
   EXPECT_DOUBLE_EQ(properties.at("height_sigma_m"), 0.006);
   EXPECT_DOUBLE_EQ(properties.at("length_m"), 7);
+  EXPECT_DOUBLE_EQ(properties.at("hidden_m"), 3.46);
   EXPECT_EQ(properties.at("level"), 1);
   EXPECT_EQ(properties.at("points_m"), features[0].at("geometry").at("coordinates"));
 }

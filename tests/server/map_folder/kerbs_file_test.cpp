@@ -10,7 +10,7 @@
 namespace parkade {
 namespace {
 
-const Kerb kKerb{{{1, 2, 3}, {4, 2, 3}, {7, 3, 3.2}}, 0.117, 0.006};
+const Kerb kKerb{{{1, 2, 3}, {4, 2, 3}, {7, 3, 3.2}}, 0.117, 0.006, 2.5};
 
 TEST(KerbsFile, HoldsWhatWasWrittenAmongOtherThings) {
   const TemporaryRoot root;
@@ -29,6 +29,7 @@ TEST(KerbsFile, HoldsWhatWasWrittenAmongOtherThings) {
     for (size_t i = 0; i < 3; ++i) EXPECT_LT((kerbs[0].points[i] - kKerb.points[i]).norm(), 0.001);
     EXPECT_NEAR(kerbs[0].height, 0.117, 1e-9);
     EXPECT_NEAR(kerbs[0].height_sigma, 0.006, 1e-9);
+    EXPECT_NEAR(kerbs[0].hidden_length, 2.5, 1e-9);
   }
 }
 

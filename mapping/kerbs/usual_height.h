@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+#include "core/ground_markings.h"
+
+namespace parkade {
+
+/// Kerbs of one place are alike: those whose height is hardly known lean on those nearby whose
+/// height is, as far as these agree. With nobody to lean on they stay as they are. O(kerbs
+/// squared).
+void LeanOnNeighbors(std::vector<Kerb>& kerbs);
+
+}  // namespace parkade

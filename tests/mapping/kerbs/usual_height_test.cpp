@@ -1,0 +1,53 @@
+#include "mapping/kerbs/usual_height.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace parkade {
+namespace {
+
+/// 10 m at `x`.
+Kerb KerbAt(double x, double height, double sigma) {
+  Kerb kerb;
+  kerb.points = {{x, 0, 0}, {x + 5, 0, 0}, {x + 10, 0, 0}};
+  kerb.height = height;
+  kerb.height_sigma = sigma;
+  return kerb;
+}
+
+TEST(LeanOnNeighbors, AKerbThatWasHardlyMeasuredIsAsHighAsThoseNearby) {
+  std::vector<Kerb> kerbs = {KerbAt(0, 0.18, 0.01), KerbAt(15, 0.182, 0.012),
+                             KerbAt(30, 0.12, 0.04)};
+  LeanOnNeighbors(kerbs);
+  EXPECT_NEAR(kerbs[2].height, 0.18, 0.001) << "0.12 +- 0.04 is what is usual anywhere";
+  EXPECT_NEAR(kerbs[2].height_sigma, 0.015, 0.001);
+  EXPECT_EQ(kerbs[0].height, 0.18) << "what was measured stays";
+  EXPECT_EQ(kerbs[1].height_sigma, 0.012);
+}
+
+TEST(LeanOnNeighbors, WhereTheyDisagreeTheySayLittle) {
+  std::vector<Kerb> kerbs = {KerbAt(0, 0.06, 0.01), KerbAt(15, 0.18, 0.01), KerbAt(30, 0.06, 0.01),
+                             KerbAt(45, 0.18, 0.01), KerbAt(20, 0.12, 0.04)};
+  LeanOnNeighbors(kerbs);
+  EXPECT_GT(kerbs[4].height_sigma, 0.08);
+}
+
+TEST(LeanOnNeighbors, WhatWasSeenOfItCounts) {
+  std::vector<Kerb> kerbs = {KerbAt(0, 0.06, 0.01), KerbAt(20, 0.1, 0.025)};
+  LeanOnNeighbors(kerbs);
+  // 0.1 +- 0.025 without 0.12 +- 0.04 is 0.087 +- 0.032.
+  EXPECT_NEAR(kerbs[1].height, 0.0649, 0.001);
+  EXPECT_NEAR(kerbs[1].height_sigma, 0.0136, 0.0005);
+}
+
+TEST(LeanOnNeighbors, AKerbStaysAsItIsWhereNobodyKnowsBetter) {
+  std::vector<Kerb> kerbs = {KerbAt(0, 0.12, 0.04), KerbAt(15, 0.13, 0.03),
+                             KerbAt(200, 0.06, 0.01)};
+  LeanOnNeighbors(kerbs);
+  EXPECT_EQ(kerbs[0].height, 0.12);
+  EXPECT_EQ(kerbs[1].height, 0.13);
+}
+
+}  // namespace
+}  // namespace parkade
