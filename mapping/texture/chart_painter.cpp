@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "mapping/ground/image_sampling.h"
+#include "mapping/texture/fill_charts.h"
 
 namespace parkade {
 namespace {
@@ -21,25 +22,6 @@ constexpr int kColorTolerance =
 
 std::uint8_t RankOf(float steepness) {
   return static_cast<std::uint8_t>(1 + std::lround(254 * steepness));
-}
-
-/// Gives texels off the mesh the color of the nearest one on it: no dark fringe when a viewer
-/// interpolates.
-void ContinueBeyondBorder(TextureChart& chart) {
-  const cv::Mat off = chart.mask == 0;
-  cv::Mat distance, nearest;
-  if (cv::countNonZero(off) == 0 || cv::countNonZero(chart.mask) == 0) return;
-  cv::distanceTransform(off, distance, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
-  std::vector<cv::Vec3b> color_of(static_cast<std::size_t>(cv::countNonZero(chart.mask)) + 1);
-  for (int row = 0; row < chart.mask.rows; ++row)
-    for (int column = 0; column < chart.mask.cols; ++column)
-      if (chart.mask.at<std::uint8_t>(row, column) != 0)
-        color_of[static_cast<std::size_t>(nearest.at<int>(row, column))] =
-            chart.image.at<cv::Vec3b>(row, column);
-  for (int row = 0; row < chart.mask.rows; ++row)
-    for (int column = 0; column < chart.mask.cols; ++column)
-      chart.image.at<cv::Vec3b>(row, column) =
-          color_of[static_cast<std::size_t>(nearest.at<int>(row, column))];
 }
 
 }  // namespace
@@ -296,6 +278,7 @@ TextureChart ChartPainter::Finish(const CellFinder& cells) {
       if (const SurfaceCell* cell = cells.Find(point))
         texel = {cell->color[2], cell->color[1], cell->color[0]};
     }
+  SmoothPlain(chart, texel_size_);
   ContinueBeyondBorder(chart);
   return std::move(chart);
 }

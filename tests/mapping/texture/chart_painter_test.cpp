@@ -251,12 +251,12 @@ TEST_F(ChartPainters, DoNotPaintThePlaceTheOwnCarStandsOn) {
 
   const TextureChart chart = painter.Finish(cells_);
 
-  const auto color_at = [&](double x, double y) {
-    return chart.image.at<cv::Vec3b>(static_cast<int>((chart.top - y) / kTexel),
-                                     static_cast<int>((x - chart.left) / kTexel));
+  const auto kind_at = [&](double x, double y) {
+    return chart.mask.at<std::uint8_t>(static_cast<int>((chart.top - y) / kTexel),
+                                       static_cast<int>((x - chart.left) / kTexel));
   };
-  EXPECT_EQ(color_at(2.0, 2.0), cv::Vec3b(100, 100, 100));
-  EXPECT_NE(color_at(3.5, 2.0), cv::Vec3b(100, 100, 100));
+  EXPECT_EQ(kind_at(2.0, 2.0), TextureChart::kPlain);
+  EXPECT_EQ(kind_at(3.5, 2.0), TextureChart::kPainted);
 }
 
 /// Its floor hides the one below, which from up there would be seen more steeply than from anywhere
