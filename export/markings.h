@@ -24,7 +24,8 @@ std::string EncodeSlotsGeoJson(const std::vector<ParkingSlot>& slots,
 /// `bounds_slot`; Polygons of `type` "area" with `color`; Points of `type` "speed_bump" with
 /// `height_m`, `length_m`, `yaw_deg` (of the way over it, counter-clockwise from the site's x) and
 /// `passes`; and LineStrings of `type` "kerb", the drivable ground on the left, with `height_m` (of
-/// the top above that ground), `height_sigma_m`, `length_m` and `points_m` (in site).
+/// the top above that ground), `height_sigma_m`, `length_m`, `hidden_m` (of it that nobody saw) and
+/// `points_m` (in site).
 std::string EncodeMarkingsGeoJson(const GroundMarkings& markings,
                                   const std::vector<FreeSheet>& sheets,
                                   const std::optional<SiteDatum>& datum);

@@ -19,13 +19,7 @@ namespace {
 constexpr int kSupportReach = 3;    // strips to each side that may support one ...
 constexpr int kMinSupport = 2;      // ... and so many must
 constexpr int kMaxGap = 3;          // strips from one to the next of the same kerb
-constexpr double kMaxJump = 0.03;   // [m] of height along one kerb
 constexpr double kMinLength = 1.0;  // [m] of a kerb
-
-/// Whether two strips may be of one kerb.
-bool Agree(const KerbStep& a, const KerbStep& b) {
-  return std::abs(a.height - b.height) <= std::max(kMaxJump, a.sigma + b.sigma);
-}
 
 /// Steps that look like kerbs, and those that strips around them support: chance agrees with
 /// nobody.
@@ -124,7 +118,7 @@ std::vector<NoKerb> DeniedKerbs(std::span<const OutlineStrip> strips,
   std::vector<NoKerb> denied;
   for (std::size_t i = 0; i < strips.size(); ++i)
     if (looks[i] == KerbLook::kNone || (steps[i] && steps[i]->height < min_height))
-      denied.push_back({strips[i].foot.head<2>(), strips[i].along});
+      denied.push_back({strips[i].foot, strips[i].along});
   return denied;
 }
 

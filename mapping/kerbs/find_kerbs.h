@@ -30,8 +30,9 @@ struct KerbOptions {
 /// outline is swept, too, and its height taken off. What strips along the outline say is put
 /// together (MeasureSteps), and what a network takes for a kerb (LookBeyond) is believed unless it
 /// is seen to be flat. Kerbs go straight on (ContinueLines). Strips that follow each other are one
-/// kerb; short gaps that say nothing are bridged. O(samples near the outline); in parallel, the
-/// same every time.
+/// kerb; short gaps that say nothing are bridged. Kerbs lean on each other's heights
+/// (LeanOnNeighbors) and go on behind parked cars (CloseGaps). O(samples near the outline, and
+/// kerbs squared); in parallel, the same every time.
 std::vector<Kerb> FindKerbs(const TriangleMesh& mesh, const SurfaceMap& surface,
                             const PatchSource& patches, std::span<const DrivenPath> paths,
                             const KerbOptions& options = {});

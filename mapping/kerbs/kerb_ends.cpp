@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <utility>
 
 namespace parkade {
@@ -10,16 +11,21 @@ namespace {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
-constexpr double kWindow = 6;           // [m] of a kerb that its end is judged by
-constexpr double kReach = 25;           // [m] to other kerbs on the same line
-constexpr double kOnLine = 0.15;        // [m]
-constexpr double kParallel = 0.94;      // cosine of the angle between a kerb and the line
-constexpr std::size_t kMinOwn = 4;      // places of the end itself on its line ...
-constexpr double kMinShare = 0.75;      // ... of all there, or so many others as well
-constexpr std::size_t kMinOnLine = 12;  // places, of all kerbs
-constexpr double kMinSpan = 2.0;        // [m] between two places that give a line
-constexpr double kMaxHook = 1.5;        // [m] of an end, around the corner of a car
-constexpr std::size_t kNearby = 6;      // places from an end to one that tells its direction
+constexpr double kWindow = 6;            // [m] of a kerb that its end is judged by
+constexpr double kReach = 25;            // [m] to other kerbs on the same line
+constexpr double kOnLine = 0.15;         // [m]
+constexpr std::size_t kMinOwn = 4;       // places of the end itself on its line ...
+constexpr double kMinShare = 0.75;       // ... of all there, or so many others as well
+constexpr std::size_t kMinOnLine = 12;   // places, of all kerbs
+constexpr double kMinSpan = 2.0;         // [m] between two places that give a line
+constexpr double kMaxHook = 1.5;         // [m] of an end, around the corner of a car
+constexpr double kMinRectangular = 0.6;  // of all directions' mean, turned by four times the angle
+constexpr int kMinAcross = 3;            // places along each of the two directions
+constexpr double kMaxBack = 0.35, kMaxOn = 2.0;  // [rad] that the next side is turned from an end
+constexpr double kSide = 5;           // [m] from an end to places that stand for the next side
+constexpr double kMaxHiddenSide = 3;  // [m] of a side that nothing but a corner tells of
+constexpr double kWeightOfSide = 3;
+constexpr std::size_t kNearby = 6;  // places from an end to one that tells its direction
 
 /// Looks for the line that most places lie on.
 class LineSearch {
@@ -43,10 +49,10 @@ class LineSearch {
     if (between.norm() < kMinSpan) return;
     const Vector2d direction =
         between.dot(outward_) < 0 ? -between.normalized() : between.normalized();
-    std::vector<KerbPlace> own = OnLine(window_, a.foot.head<2>(), direction),
-                           of_others = OnLine(others_, a.foot.head<2>(), direction);
-    if (own.size() < kMinOwn || own.size() + of_others.size() <= own_.size() + of_others_.size())
-      return;
+    std::vector<KerbPlace> own = OnLine(window_, a.foot.head<2>(), direction);
+    if (own.size() < kMinOwn) return;
+    std::vector<KerbPlace> of_others = OnLine(others_, a.foot.head<2>(), direction);
+    if (own.size() + of_others.size() <= own_.size() + of_others_.size()) return;
     own_ = std::move(own), of_others_ = std::move(of_others);
   }
 
@@ -55,7 +61,7 @@ class LineSearch {
     std::vector<KerbPlace> found;
     std::ranges::copy_if(places, std::back_inserter(found), [&](const KerbPlace& place) {
       return std::abs(Beside(place.foot.head<2>() - from, direction)) <= kOnLine &&
-             sign_ * place.along.dot(direction) >= kParallel;
+             sign_ * place.along.dot(direction) >= KerbPlace::kParallel;
     });
     return found;
   }
@@ -70,12 +76,27 @@ class LineSearch {
 std::vector<KerbPlace> OthersNear(const Vector3d& foot, std::span<const KerbPlace> rest,
                                   std::span<const KerbPlace> all, std::size_t kerb) {
   std::vector<KerbPlace> others;
-  const auto is_near = [&](const KerbPlace& place) { return (place.foot - foot).norm() <= kReach; };
+  const auto is_near = [&](const KerbPlace& place) {
+    return (place.foot - foot).norm() <= kReach &&
+           std::abs(place.foot.z() - foot.z()) <= KerbPlace::kSameDeck;
+  };
   std::ranges::copy_if(rest, std::back_inserter(others), is_near);
   std::ranges::copy_if(all, std::back_inserter(others), [&](const KerbPlace& place) {
     return place.kerb != kerb && is_near(place);
   });
   return others;
+}
+
+/// Whether enough places lie along an axis, and enough across it.
+bool HasTwoDirections(std::span<const KerbPlace> places, double axis) {
+  const Vector2d direction(std::cos(axis), std::sin(axis));
+  const auto num_along = std::ranges::count_if(places, [&](const KerbPlace& place) {
+    return std::abs(place.along.dot(direction)) >= KerbPlace::kParallel;
+  });
+  const auto num_across = std::ranges::count_if(places, [&](const KerbPlace& place) {
+    return std::abs(Beside(place.along, direction)) >= KerbPlace::kParallel;
+  });
+  return std::min(num_along, num_across) >= kMinAcross;
 }
 
 }  // namespace
@@ -134,7 +155,7 @@ KerbEnd FindEnd(std::span<const KerbPlace> own, double sign, std::span<const Ker
   const auto window =
       own.first(std::min(own.size(), static_cast<std::size_t>(kWindow / KerbPlace::kSpacing)));
   KerbEnd end;
-  end.foot = own.front().foot;
+  end.foot = end.start = own.front().foot;
   const Vector3d& nearby = window[std::min(window.size() - 1, kNearby)].foot;
   end.outward = (end.foot - nearby).head<2>().normalized();
   const std::vector<KerbPlace> others =
@@ -147,12 +168,49 @@ KerbEnd FindEnd(std::span<const KerbPlace> own, double sign, std::span<const Ker
     return end;
   const auto first = std::ranges::find_if(
       window, [&](const KerbPlace& place) { return place.foot == found.own().front().foot; });
-  end.hook = KerbPlace::kSpacing * static_cast<double>(first - window.begin());
-  if (end.hook > kMaxHook) return end;
+  const double hook = KerbPlace::kSpacing * static_cast<double>(first - window.begin());
+  if (hook > kMaxHook) return end;
+  end.hook = hook;
+  end.start = first->foot;
   end.on_line = found.own();
   std::ranges::copy(found.of_others(), std::back_inserter(end.on_line));
   end.line = FitAxis(end.on_line, end.outward);
   return end;
+}
+
+std::vector<KerbEnd> AroundCorners(const KerbEnd& end, std::span<const KerbPlace> places,
+                                   double left) {
+  double cosines = 0, sines = 0;
+  for (const KerbPlace& place : places) {
+    const double angle = std::atan2(place.along.y(), place.along.x());
+    cosines += std::cos(4 * angle), sines += std::sin(4 * angle);
+  }
+  if (std::hypot(cosines, sines) < kMinRectangular * static_cast<double>(places.size())) return {};
+  const double axis = std::atan2(sines, cosines) / 4;
+  if (!HasTwoDirections(places, axis)) return {};
+  const double outward = std::atan2(end.outward.y(), end.outward.x());
+  std::vector<std::pair<double, double>> sides;  // by how far they turn away from the ground
+  for (int i = 0; i < 4; ++i) {
+    const double angle = axis + i * std::numbers::pi / 2;
+    const double turn = left * std::remainder(outward - angle, 2 * std::numbers::pi);
+    if (turn >= -kMaxBack && turn <= kMaxOn) sides.emplace_back(turn, angle);
+  }
+  std::ranges::sort(sides);
+  std::vector<KerbEnd> ways;
+  ways.reserve(sides.size());
+  for (const auto& [turn, angle] : sides) {
+    KerbEnd& way = ways.emplace_back();
+    way.foot = way.start = end.foot;
+    way.max_hidden = kMaxHiddenSide;
+    way.outward = {std::cos(angle), std::sin(angle)};
+    for (const double along : {-kSide, kSide}) {
+      Vector3d foot = end.foot;
+      foot.head<2>() += along * way.outward;
+      way.on_line.push_back({foot, way.outward, places.front().kerb, kWeightOfSide});
+    }
+    way.line = FitAxis(way.on_line, way.outward);
+  }
+  return ways;
 }
 
 }  // namespace parkade

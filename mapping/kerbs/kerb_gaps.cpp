@@ -8,16 +8,18 @@
 #include <optional>
 #include <utility>
 
+#include "core/parallel.h"
 #include "mapping/ground/cell_finder.h"
 #include "mapping/kerbs/kerb_ends.h"
+#include "mapping/kerbs/kerb_steps.h"
 
 namespace parkade {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kMinGain = 2;     // [m] by which a kerb grows that meets no other
-constexpr double kMaxJump = 0.03;  // [m] of height from kerb to kerb
+constexpr double kMinGain = 2;    // [m] by which a kerb grows that meets no other
+constexpr double kClosed = 0.75;  // [m] between the ends of a kerb that is a ring
 
 /// A kerb, its two ends and what was found beyond them.
 struct OpenKerb {
@@ -27,8 +29,8 @@ struct OpenKerb {
   std::optional<std::size_t> next = {}, previous = {};
 };
 
-bool Agree(const Kerb& a, const Kerb& b) {
-  return std::abs(a.height - b.height) <= std::max(kMaxJump, a.height_sigma + b.height_sigma);
+bool AreAlike(const Kerb& a, const Kerb& b) {
+  return Agree(KerbStep{a.height, a.height_sigma}, KerbStep{b.height, b.height_sigma});
 }
 
 /// The points of a kerb but for so much at its ends.
@@ -53,7 +55,7 @@ void Append(const KerbWalk& walk, bool is_backward, Kerb& kerb) {
 Kerb Join(std::span<const std::size_t> chain, std::span<const OpenKerb> kerbs) {
   Kerb joined;
   joined.height_sigma = kerbs[chain.front()].kerb.height_sigma;
-  double weights = 0;
+  double weights = 0, squares = 0;
   for (const std::size_t i : chain) {
     const OpenKerb& one = kerbs[i];
     if (one.before) Append(*one.before, true, joined);
@@ -65,11 +67,14 @@ Kerb Join(std::span<const std::size_t> chain, std::span<const OpenKerb> kerbs) {
     if (one.after) Append(*one.after, false, joined);
     const double weight = 1 / (one.kerb.height_sigma * one.kerb.height_sigma);
     joined.height += weight * one.kerb.height;
+    squares += weight * one.kerb.height * one.kerb.height;
     weights += weight;
     joined.height_sigma = std::min(joined.height_sigma, one.kerb.height_sigma);
   }
   if (kerbs[chain.back()].next == chain.front()) joined.points.push_back(joined.points.front());
   joined.height /= weights;
+  const double variance = squares / weights - joined.height * joined.height;
+  joined.height_sigma = std::max(joined.height_sigma, std::sqrt(std::max(0.0, variance)));
   return joined;
 }
 
@@ -96,26 +101,54 @@ std::vector<const KerbEnd*> EndsToMeet(std::span<const OpenKerb> kerbs, std::siz
     const OpenKerb& other = kerbs[i];
     const bool is_open =
         is_forward ? !other.previous && !other.before : !other.next && !other.after;
-    const bool may_meet = is_open && Agree(other.kerb, kerbs[from].kerb);
+    const bool may_meet = is_open && AreAlike(other.kerb, kerbs[from].kerb);
     ends.push_back(!may_meet ? nullptr : is_forward ? &other.head : &other.tail);
   }
   return ends;
+}
+
+bool IsLong(const KerbWalk& walk, const KerbEnd& end) {
+  return !walk.points.empty() && (walk.points.back() - end.foot).norm() >= kMinGain;
+}
+
+/// What following one end of a kerb leads to, if that is something.
+std::optional<KerbWalk> FollowEnd(std::span<const OpenKerb> kerbs, std::size_t i, bool is_forward,
+                                  const KerbWalker& walker) {
+  const OpenKerb& from = kerbs[i];
+  const KerbEnd& end = is_forward ? from.tail : from.head;
+  const double left = is_forward ? 1 : -1;
+  const std::vector<const KerbEnd*> others = EndsToMeet(kerbs, i, is_forward);
+  std::vector<KerbEnd> ways{end};
+  if (!end.line) ways = AroundCorners(end, PlacesAlong(from.kerb, i), left);
+  for (const KerbEnd& way : ways) {
+    KerbWalk walk = walker.Follow(way, i, left, others);
+    if (walk.met || IsLong(walk, way)) return walk;
+  }
+  return {};
+}
+
+/// Whether a kerb goes all around something.
+bool IsClosed(const Kerb& kerb) {
+  return kerb.Length() > 4 * kClosed &&
+         (kerb.points.front() - kerb.points.back()).norm() <= kClosed;
 }
 
 /// Follows one end of a kerb, and keeps what that led to.
 void Extend(std::span<OpenKerb> kerbs, std::size_t i, bool is_forward, const KerbWalker& walker,
             TakenPlaces& taken) {
   OpenKerb& from = kerbs[i];
-  const KerbEnd& end = is_forward ? from.tail : from.head;
-  if (!end.line || (is_forward ? from.next : from.previous)) return;
-  KerbWalk walk = walker.Follow(end, i, is_forward ? 1 : -1, EndsToMeet(kerbs, i, is_forward));
-  if (walk.met) {
-    (is_forward ? from.next : from.previous) = walk.met;
-    (is_forward ? kerbs[*walk.met].previous : kerbs[*walk.met].next) = i;
-  } else if (walk.points.empty() || (walk.points.back() - end.foot).norm() < kMinGain) {
-    return;
+  if ((is_forward ? from.next : from.previous) || IsClosed(from.kerb)) return;
+  std::optional<KerbWalk> walk = FollowEnd(kerbs, i, is_forward, walker);
+  if (!walk) return;
+  if (walk->met) {
+    (is_forward ? from.next : from.previous) = walk->met;
+    (is_forward ? kerbs[*walk->met].previous : kerbs[*walk->met].next) = i;
   }
-  taken.Add(walk.points, i);
+  std::vector<Vector3d> way = {(is_forward ? from.tail : from.head).start};
+  std::ranges::copy(walk->points, std::back_inserter(way));
+  if (walk->met)
+    way.push_back((is_forward ? kerbs[*walk->met].head : kerbs[*walk->met].tail).start);
+  taken.Add(way, kerbs.size() + i);  // its other end must not go there again
   (is_forward ? from.after : from.before) = std::move(walk);
 }
 
@@ -133,12 +166,13 @@ void CloseGaps(const SurfaceMap& surface, std::span<const NoKerb> no_kerbs,
   }
   std::vector<OpenKerb> open;
   open.reserve(kerbs.size());
-  for (std::size_t i = 0; i < kerbs.size(); ++i) {
-    std::vector<KerbPlace> places = PlacesAlong(kerbs[i], i);
-    open.push_back({kerbs[i], FindEnd(places, -1, all)});
+  for (const Kerb& kerb : kerbs) open.push_back({kerb});
+  ParallelFor(open.size(), [&](std::size_t i) {
+    std::vector<KerbPlace> places = PlacesAlong(open[i].kerb, i);
+    open[i].head = FindEnd(places, -1, all);
     std::ranges::reverse(places);
-    open.back().tail = FindEnd(places, 1, all);
-  }
+    open[i].tail = FindEnd(places, 1, all);
+  });
   const CellFinder cells(surface);
   const KerbWalker walker(cells, no_kerbs, taken);
   for (std::size_t i = 0; i < open.size(); ++i)

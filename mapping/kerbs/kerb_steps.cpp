@@ -211,6 +211,11 @@ bool IsLevel(const std::vector<Agreement>& far_off, double height) {
 
 }  // namespace
 
+bool Agree(const KerbStep& a, const KerbStep& b) {
+  constexpr double kMaxJump = 0.03;  // [m] along one kerb
+  return std::abs(a.height - b.height) <= std::max(kMaxJump, a.sigma + b.sigma);
+}
+
 std::vector<std::size_t> Around(const OutlineStrip& strip, const StripsAlong& along, int reach) {
   std::vector<std::size_t> around;
   for (int i = -reach; i <= reach; ++i) {

@@ -26,6 +26,9 @@ struct KerbStep {
   double height = 0, sigma = 0;  ///< [m]
 };
 
+/// Whether two steps may be of one kerb.
+bool Agree(const KerbStep& a, const KerbStep& b);
+
 /// Strips by ring and place along it.
 using StripsAlong = std::map<std::pair<int, int>, std::size_t>;
 

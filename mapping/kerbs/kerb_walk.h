@@ -15,7 +15,7 @@ namespace parkade {
 
 /// A place that was seen to have no kerb, though the outline of the ground goes along there.
 struct NoKerb {
-  Eigen::Vector2d foot;   ///< [m] in site
+  Eigen::Vector3d foot;   ///< [m] in site
   Eigen::Vector2d along;  ///< unit
 };
 
@@ -33,22 +33,21 @@ class TakenPlaces {
 /// Where a walk from an end of a kerb leads to.
 struct KerbWalk {
   std::vector<Eigen::Vector3d> points = {};  ///< [m] in site: of the kerb, from its end on
-  double hidden_length = 0;                  ///< [m] between them where nothing showed it
+  double hidden_length = 0;                  ///< [m] between them where no stone was seen
   std::optional<std::size_t> met = {};       ///< the kerb that it leads to ...
   double hidden_before_met = 0;  ///< [m] ... and what is hidden from the last point to that
 };
 
-/// Follows the lines of kerbs beyond their ends. All that it is given is borrowed.
+/// Follows the lines of kerbs beyond their ends. Cells and places are borrowed.
 class KerbWalker {
  public:
-  KerbWalker(const CellFinder& cells, std::span<const NoKerb> no_kerbs, const TakenPlaces& taken)
-      : cells_(&cells), no_kerbs_(no_kerbs), taken_(&taken) {}
+  KerbWalker(const CellFinder& cells, std::span<const NoKerb> no_kerbs, const TakenPlaces& taken);
 
-  /// Goes on while cells beside the line look like a kerb, which moves the line a little, or a
-  /// vehicle hides it, at most 14 m in one piece; and no further than open ground, another kerb, or
-  /// a place without one. \param end  with a line \param kerb  whose end \param left  1 where the
-  /// ground lies on the left of the way, else -1 \param others  by kerb, its end that may be met;
-  /// null: not that one
+  /// Goes on while cells beside the line look like a kerb, or like something raised beside a
+  /// vehicle, which moves the line a little, or while a vehicle hides it, no longer than
+  /// `end.max_hidden`; and no further than open ground, another kerb, or a place without one.
+  /// \param end  with a line \param kerb  whose end \param left  1 where the ground lies on the
+  /// left of the way, else -1 \param others  by kerb, its end that may be met; null: not that one
   KerbWalk Follow(const KerbEnd& end, std::size_t kerb, double left,
                   std::span<const KerbEnd* const> others) const;
 
@@ -56,7 +55,7 @@ class KerbWalker {
   std::size_t CountDenials(const Eigen::Vector3d& foot, const Eigen::Vector2d& direction) const;
 
   const CellFinder* cells_;
-  std::span<const NoKerb> no_kerbs_;
+  std::map<std::pair<int, int>, std::vector<NoKerb>> no_kerbs_;  ///< in squares of 1 m
   const TakenPlaces* taken_;
 };
 

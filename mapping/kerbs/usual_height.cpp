@@ -64,7 +64,8 @@ void LeanOnNeighbors(std::vector<Kerb>& kerbs) {
                  seen = std::max(0.0, all - kAnywhere),
                  usually = 1 / (usual[i]->sigma * usual[i]->sigma);
     const double seen_sum = seen > 0 ? all * kerb.height - kAnywhere * KerbStep::kUsual : 0;
-    kerb.height = (seen_sum + usually * usual[i]->mean) / (seen + usually);
+    const auto [low, high] = std::minmax(kerb.height, usual[i]->mean);
+    kerb.height = std::clamp((seen_sum + usually * usual[i]->mean) / (seen + usually), low, high);
     kerb.height_sigma = 1 / std::sqrt(seen + usually);
   }
 }

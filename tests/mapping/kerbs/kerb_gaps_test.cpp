@@ -92,12 +92,12 @@ TEST(CloseGaps, WhereAnOutlineWithoutKerbGoesAlongThereIsNone) {
   Street street;
   street.AddKerb(25, kCarEnd);
   street.AddKerb(kCarBegin, 2);
-  for (double x = 11; x < 14; x += 0.5) street.no_kerbs.push_back({{x, -0.1}, {-1, 0}});
+  for (double x = 11; x < 14; x += 0.5) street.no_kerbs.push_back({{x, -0.1, 0}, {-1, 0}});
   EXPECT_EQ(street.Close().size(), 2U);
   street = Street();
   street.AddKerb(25, kCarEnd);
   street.AddKerb(kCarBegin, 2);
-  for (double y = -3; y < 0; y += 0.5) street.no_kerbs.push_back({{12, y}, {0, 1}});
+  for (double y = -3; y < 0; y += 0.5) street.no_kerbs.push_back({{12, y, 0}, {0, 1}});
   EXPECT_EQ(street.Close().size(), 1U) << "the flank of a car says nothing";
 }
 
@@ -123,9 +123,26 @@ TEST(CloseGaps, WhatHooksAroundTheCornerOfACarIsCutOff) {
   street.AddKerb(25, kCarEnd);
   street.kerbs[0].points.insert(street.kerbs[0].points.end(), {{14.9, -0.4, 0}, {14.9, -0.9, 0}});
   street.AddKerb(kCarBegin, 2);
+  street.kerbs[1].points.insert(street.kerbs[1].points.begin(), {{10.1, -0.9, 0}, {10.1, -0.4, 0}});
   const std::vector<Kerb> kerbs = street.Close();
   ASSERT_EQ(kerbs.size(), 1U);
   for (const Vector3d& point : kerbs[0].points) EXPECT_NEAR(point.y(), 0, 0.1);
+  for (std::size_t i = 1; i < kerbs[0].points.size(); ++i)
+    EXPECT_LT(kerbs[0].points[i].x(), kerbs[0].points[i - 1].x());
+}
+
+TEST(CloseGaps, AnotherDeckHasNoSay) {
+  Street street;
+  street.AddKerb(25, kCarEnd);
+  street.AddKerb(kCarBegin, 2);
+  Kerb above = street.kerbs[0];
+  for (Vector3d& point : above.points) point += Vector3d(-10, 0.1, 3);
+  street.kerbs.push_back(above);
+  for (double x = 11; x < 14; x += 0.5) street.no_kerbs.push_back({{x, -0.1, 3}, {-1, 0}});
+  const std::vector<Kerb> kerbs = street.Close();
+  ASSERT_EQ(kerbs.size(), 2U);
+  for (const Kerb& kerb : kerbs)
+    for (const Vector3d& point : kerb.points) EXPECT_NEAR(point.z(), kerb.points[0].z(), 0.01);
 }
 
 TEST(CloseGaps, RoundCornersLeadNowhere) {
@@ -158,6 +175,51 @@ TEST(CloseGaps, AnIslandWithACarBesideItIsClosed) {
   EXPECT_NEAR(kerbs[0].Length(), 2 * (23 + 3), 0.5);
 }
 
+/// An island of 10 m x 2 m from x = 10 on; a car stands close to its side at y = 0 and hides the
+/// stone there.
+Street StreetWithIsland(SurfaceClass on_island) {
+  Street street;
+  street.surface.cells.resize(0);
+  for (int y = -30; y < 60; ++y)
+    for (int x = 0; x < 300; ++x) {
+      const bool is_beside = x >= 95 && x < 205 && y >= -20 && y < -2,
+                 is_island = x >= 100 && x < 200 && y >= 0 && y < 20;
+      const bool is_unseen = x >= 95 && x < 205 && y >= -2 && y < 0;
+      if (is_unseen) continue;
+      SurfaceCell& cell = street.surface.cells.emplace_back();
+      cell.x = x, cell.y = y;
+      SetClass(cell, is_beside   ? SurfaceClass::kVehicle
+                     : is_island ? on_island
+                                 : SurfaceClass::kDrivable);
+    }
+  Kerb& kerb = street.kerbs.emplace_back();  // the ground lies on its left: around it clockwise
+  for (double y = 0.5; y < 2; y += 0.25) kerb.points.push_back(Vector3d(10, y, 0));
+  for (double x = 10; x < 20; x += 0.5) kerb.points.push_back(Vector3d(x, 2, 0));
+  for (double y = 2; y > 0.1; y -= 0.25) kerb.points.push_back(Vector3d(20, y, 0));
+  for (const Vector3d& corner : {Vector3d(19.9, 0.1, 0), Vector3d(19.7, 0, 0)})
+    kerb.points.push_back(corner);
+  kerb.height = 0.12, kerb.height_sigma = 0.01;
+  return street;
+}
+
+TEST(CloseGaps, TheSideOfAnIslandThatACarHidesIsFoundAroundTheCorner) {
+  for (const SurfaceClass on_island :
+       {SurfaceClass::kKerb, SurfaceClass::kVegetation, SurfaceClass::kPavement}) {
+    Street street = StreetWithIsland(on_island);
+    const std::vector<Kerb> kerbs = street.Close();
+    ASSERT_EQ(kerbs.size(), 1U);
+    EXPECT_GT(kerbs[0].Length(), 2 * 10 + 3) << NameOf(on_island);
+    const auto is_on_side = [](const Vector3d& point) {
+      return point.x() > 11 && point.x() < 19 && std::abs(point.y()) < 0.15;
+    };
+    EXPECT_GT(std::ranges::count_if(kerbs[0].points, is_on_side), 20);
+    const bool is_stone_seen = on_island == SurfaceClass::kKerb;
+    EXPECT_NEAR(kerbs[0].hidden_length, is_stone_seen ? 0 : 10, 1.5);
+  }
+  EXPECT_LT(StreetWithIsland(SurfaceClass::kStructure).Close()[0].Length(), 2 * 10)
+      << "that is a wall";
+}
+
 TEST(CloseGaps, AClosedKerbAroundAnIslandStaysAsItIs) {
   Street street;
   Kerb& kerb = street.kerbs.emplace_back();
@@ -170,6 +232,12 @@ TEST(CloseGaps, AClosedKerbAroundAnIslandStaysAsItIs) {
   const std::vector<Kerb> kerbs = street.Close();
   ASSERT_EQ(kerbs.size(), 1U);
   EXPECT_EQ(kerbs[0].points, points);
+
+  Street with_corners;  // and its ends overlap
+  with_corners.kerbs.emplace_back() = {
+      {{20, 0, 0}, {2, 0, 0}, {2, 3, 0}, {25, 3, 0}, {25, 0, 0}, {19.9, 0, 0}}, 0.12, 0.01};
+  const double length = with_corners.kerbs[0].Length();
+  EXPECT_EQ(with_corners.Close()[0].Length(), length);
 }
 
 }  // namespace
