@@ -5,6 +5,7 @@
 
 #include "core/math/statistics.h"
 #include "core/parallel.h"
+#include "mapping/kerbs/kerb_ends.h"
 
 namespace parkade {
 namespace {
@@ -31,30 +32,19 @@ std::optional<KerbLine> LineAt(std::size_t strip, std::span<const OutlineStrip> 
                                const StripsAlong& along,
                                std::span<const std::optional<KerbStep>> steps,
                                const std::vector<bool>& is_kerb) {
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  std::vector<Eigen::Vector2d> feet;
+  std::vector<KerbPlace> places;
   for (const std::size_t i : Around(strips[strip], along, kReachOfLine))
-    if (is_kerb[i]) {
-      feet.emplace_back(strips[i].foot.head<2>());
-      mean += feet.back();
-    }
-  if (feet.size() < kMinOnLine) return {};
-  mean /= static_cast<double>(feet.size());
-  double xx = 0, xy = 0, yy = 0;
-  for (const Eigen::Vector2d& foot : feet) {
-    const Eigen::Vector2d off = foot - mean;
-    xx += off.x() * off.x(), xy += off.x() * off.y(), yy += off.y() * off.y();
-  }
-  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-  Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
-  if (direction.dot(strips[strip].along) < 0) direction = -direction;
-  const Eigen::Vector2d outward(direction.y(), -direction.x());
+    if (is_kerb[i]) places.push_back({strips[i].foot, strips[i].along});
+  if (places.size() < kMinOnLine) return {};
+  const KerbAxis axis = FitAxis(places, strips[strip].along);
   double square = 0;
-  for (const Eigen::Vector2d& foot : feet) square += std::pow((foot - mean).dot(outward), 2);
-  if (square > kStraight * kStraight * static_cast<double>(feet.size())) return {};
+  for (const KerbPlace& place : places)
+    square += std::pow(Beside((place.foot - axis.middle).head<2>(), axis.direction), 2);
+  if (square > kStraight * kStraight * static_cast<double>(places.size())) return {};
+  const Eigen::Vector2d outward(axis.direction.y(), -axis.direction.x());
   Eigen::Vector3d foot = strips[strip].foot;
-  foot.head<2>() -= (foot.head<2>() - mean).dot(outward) * outward;
-  return KerbLine{foot, direction, *steps[strip]};
+  foot.head<2>() -= Beside((foot - axis.middle).head<2>(), axis.direction) * outward;
+  return KerbLine{foot, axis.direction, *steps[strip]};
 }
 
 bool IsOn(const KerbLine& line, const OutlineStrip& strip) {

@@ -70,6 +70,21 @@ TEST(CloseGaps, AKerbGoesOnBehindAParkedCar) {
   for (const Vector3d& point : kerbs[0].points) EXPECT_NEAR(point.y(), 0, 0.05);
 }
 
+TEST(CloseGaps, WhereHeightsDifferSigmaSaysSo) {
+  Street street;
+  street.AddKerb(25, kCarEnd, 0.1);
+  street.AddKerb(kCarBegin, 2, 0.13);
+  const std::vector<Kerb> kerbs = street.Close();
+  ASSERT_EQ(kerbs.size(), 1U);
+  EXPECT_NEAR(kerbs[0].height_sigma, 0.015, 1e-6);
+}
+
+TEST(CloseGaps, AShortStraightKerbDoesNotTellWhereItLeads) {
+  Street street;
+  street.AddKerb(17, kCarEnd);
+  EXPECT_EQ(street.Close()[0].points.back().x(), kCarEnd);
+}
+
 TEST(CloseGaps, NothingIsBelievedAcrossOpenGroundOrWhereNobodyLooked) {
   Street open;
   for (int y = -10; y < 20; ++y)

@@ -41,6 +41,13 @@ TEST(LeanOnNeighbors, WhatWasSeenOfItCounts) {
   EXPECT_NEAR(kerbs[1].height_sigma, 0.0136, 0.0005);
 }
 
+TEST(LeanOnNeighbors, ItStaysBetweenWhatWasSeenAndWhatIsUsualNearby) {
+  std::vector<Kerb> kerbs = {KerbAt(0, 0.05, 0.01), KerbAt(15, 0.05, 0.01), KerbAt(30, 0.14, 0.01),
+                             KerbAt(45, 0.05, 0.025)};
+  LeanOnNeighbors(kerbs);
+  EXPECT_EQ(kerbs[3].height, 0.05);
+}
+
 TEST(LeanOnNeighbors, AKerbStaysAsItIsWhereNobodyKnowsBetter) {
   std::vector<Kerb> kerbs = {KerbAt(0, 0.12, 0.04), KerbAt(15, 0.13, 0.03),
                              KerbAt(200, 0.06, 0.01)};
