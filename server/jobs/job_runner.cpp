@@ -202,13 +202,14 @@ std::chrono::milliseconds JobRunner::PauseAfter(const Job& crashed) const {
 }
 
 void JobRunner::Publish(const Job& job, const std::filesystem::path& products) {
-  const SealedMap sealed = SealMap(products);
-  if (BeginEnd(job)) {
+  const std::optional<SealedMap> sealed =
+      SealMap(products, [&] { return Interrupted(job) != Interruption::kCancelled; });
+  if (BeginEnd(job) || !sealed) {
     KeepStage(job);
     Persist([&] { FinishCancelledJob(store_, job); });
     return;
   }
-  const MapVersion map = PublishMap(store_, job, sealed);
+  const MapVersion map = PublishMap(store_, job, *sealed);
   DropWork(store_, job.id);
   events_.Publish("map", map.site + "/" + std::to_string(map.version));
   for (const std::string& id : store_.database.Read([&](Connection& connection) {

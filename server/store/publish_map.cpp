@@ -21,8 +21,9 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxFiles = 250'000;
 
-/// Lists, hashes and makes durable everything below `staging`.
-std::vector<MapFile> SealFiles(const fs::path& staging) {
+/// Lists, hashes and makes durable everything below `staging`, while `go_on` says so.
+std::optional<std::vector<MapFile>> SealFiles(const fs::path& staging,
+                                              const std::function<bool()>& go_on) {
   Require(fs::is_directory(fs::symlink_status(staging)), ErrorCode::kInternal,
           "the worker left no folder");
   std::vector<MapFile> files;
@@ -38,8 +39,9 @@ std::vector<MapFile> SealFiles(const fs::path& staging) {
                     fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
     Require(files.size() < kMaxFiles, ErrorCode::kInternal,
             "the worker left more than " + std::to_string(kMaxFiles) + " files");
-    const FileSums sums = SumsOfFile(entry.path());
-    files.push_back({name, sums.bytes, sums.sha256, sums.pieces});
+    const std::optional<FileSums> sums = SumsOfFile(entry.path(), go_on);
+    if (!sums) return std::nullopt;
+    files.push_back({name, sums->bytes, sums->sha256, sums->pieces});
   }
   SyncToDisk(staging);
   std::sort(files.begin(), files.end(),
@@ -104,8 +106,10 @@ void InsertVersion(Store& store, const Job& job, const ReportSummary& report, Ma
 
 }  // namespace
 
-SealedMap SealMap(const fs::path& staging) {
-  return {staging, SealFiles(staging), ReadReportSummary(staging / "report.json")};
+std::optional<SealedMap> SealMap(const fs::path& staging, const std::function<bool()>& go_on) {
+  std::optional<std::vector<MapFile>> files = SealFiles(staging, go_on);
+  if (!files) return std::nullopt;
+  return SealedMap{staging, *std::move(files), ReadReportSummary(staging / "report.json")};
 }
 
 MapVersion PublishMap(Store& store, const Job& job, const SealedMap& sealed) {

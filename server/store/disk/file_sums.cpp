@@ -25,12 +25,14 @@ std::string SumOf(std::string_view content) {
 
 }  // namespace
 
-FileSums SumsOfFile(const std::filesystem::path& file) {
+std::optional<FileSums> SumsOfFile(const std::filesystem::path& file,
+                                   const std::function<bool()>& go_on) {
   std::ifstream stream(file, std::ios::binary);
   std::vector<char> piece(kSummedBytes);
   FileSums sums;
   Sha256 hash;
   while (stream.read(piece.data(), kSummedBytes) || stream.gcount() > 0) {
+    if (!go_on()) return std::nullopt;
     const std::string_view content(piece.data(), static_cast<size_t>(stream.gcount()));
     hash.Add(content);
     sums.pieces += SumOf(content);

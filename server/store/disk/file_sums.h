@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -16,8 +18,11 @@ struct FileSums {
   std::string pieces;  ///< XXH3 (64 bits) of each piece of kSummedBytes, 16 hexadecimal digits each
 };
 
-/// Reads the whole file once. Throws Error{kInternal} where it cannot be read.
-FileSums SumsOfFile(const std::filesystem::path& file);
+/// Reads the whole file once. Nothing where `go_on`, asked before each piece, says no. Throws
+/// Error{kInternal} where the file cannot be read.
+std::optional<FileSums> SumsOfFile(
+    const std::filesystem::path& file,
+    const std::function<bool()>& go_on = [] { return true; });
 
 /// True when the file is as long as it should be and has these pieces. Reads it whole.
 bool HasPieces(const std::filesystem::path& file, std::int64_t bytes, std::string_view pieces);

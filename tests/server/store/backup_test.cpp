@@ -26,7 +26,7 @@ class Backup : public StoreTest {
     WriteText(staging / "map.glb", "glTF of " + content);
     WriteText(staging / "report.json", "{}");
     WriteText(staging.parent_path() / "log.txt", "worked");
-    PublishMap(store_, job, SealMap(staging));
+    PublishMap(store_, job, *SealMap(staging));
     return drive;
   }
   void AddRig() {

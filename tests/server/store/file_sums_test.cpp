@@ -13,7 +13,7 @@ TEST(FileSums, NameEveryPiece) {
   content[kSummedBytes] = 'y';
   WriteText(root.path() / "file", content);
 
-  const FileSums sums = SumsOfFile(root.path() / "file");
+  const FileSums sums = *SumsOfFile(root.path() / "file");
 
   EXPECT_EQ(sums.bytes, static_cast<std::int64_t>(content.size()));
   EXPECT_EQ(sums.sha256, Sha256Of(content));
@@ -30,9 +30,17 @@ TEST(FileSums, NameEveryPiece) {
 TEST(FileSums, AnEmptyFileHasNoPieces) {
   const TemporaryRoot root;
   WriteText(root.path() / "file", "");
-  const FileSums sums = SumsOfFile(root.path() / "file");
+  const FileSums sums = *SumsOfFile(root.path() / "file");
   EXPECT_EQ(sums.sha256, Sha256Of(""));
   EXPECT_TRUE(sums.pieces.empty());
+}
+
+TEST(FileSums, NobodyWaitsForThoseThatNobodyWants) {
+  const TemporaryRoot root;
+  WriteText(root.path() / "file", std::string(5 * kSummedBytes, 'x'));
+  int pieces = 0;
+  EXPECT_FALSE(SumsOfFile(root.path() / "file", [&] { return ++pieces < 3; }).has_value());
+  EXPECT_EQ(pieces, 3);
 }
 
 }  // namespace

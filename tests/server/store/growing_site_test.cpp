@@ -22,7 +22,7 @@ class GrowingSite : public StoreTest {
     const auto out = store_.directory.AttemptFolder(job.id, job.attempt) / "out";
     WriteText(out / "map.glb", "glTF");
     WriteText(out / "report.json", "{}");
-    PublishMap(store_, job, SealMap(out));
+    PublishMap(store_, job, *SealMap(out));
   }
   void CrashThreeTimes(const std::string& job) {
     for (int attempt = 1; attempt <= 3; ++attempt) {

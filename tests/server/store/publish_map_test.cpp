@@ -36,7 +36,7 @@ class PublishedMap : public StoreTest {
 
 TEST_F(PublishedMap, HasAManifestOfItsFiles) {
   const auto staging = Stage();
-  const MapVersion map = PublishMap(store_, job_, SealMap(staging));
+  const MapVersion map = PublishMap(store_, job_, *SealMap(staging));
 
   EXPECT_EQ(map.version, 1);
   ASSERT_EQ(map.files.size(), 3u);
@@ -49,7 +49,7 @@ TEST_F(PublishedMap, HasAManifestOfItsFiles) {
 }
 
 TEST_F(PublishedMap, EndsTheJobAndMakesTheDriveReady) {
-  PublishMap(store_, job_, SealMap(Stage()));
+  PublishMap(store_, job_, *SealMap(Stage()));
 
   const auto [job, drive, site] = store_.database.Read([&](Connection& connection) {
     return std::tuple(FindJob(connection, job_.id), FindDrive(connection, received_.drive.id),
@@ -65,23 +65,23 @@ TEST_F(PublishedMap, EndsTheJobAndMakesTheDriveReady) {
 }
 
 TEST_F(PublishedMap, VersionsCountUpPerSite) {
-  PublishMap(store_, job_, SealMap(Stage()));
+  PublishMap(store_, job_, *SealMap(Stage()));
   QueueMap(store_, "lot", {}, false);
   const Job again = *ClaimJob(store_);
 
-  EXPECT_EQ(PublishMap(store_, again, SealMap(Stage())).version, 2);
+  EXPECT_EQ(PublishMap(store_, again, *SealMap(Stage())).version, 2);
 }
 
 TEST_F(PublishedMap, ADriveThatTheWorkerLeftOutFailsWithTheReason) {
   Receive(store_, "another log", {"b.bag", "lot", std::nullopt});
-  PublishMap(store_, job_, SealMap(Stage()));
+  PublishMap(store_, job_, *SealMap(Stage()));
   ClaimJob(store_);  // of b alone
   const Job both = (QueueMap(store_, "lot", {}, true), *ClaimJob(store_));
   const auto staging = store_.directory.AttemptFolder(both.id, 1) / "out";
   WriteText(staging / "map.glb", "glTF");
   WriteText(staging / "report.json",
             R"({"left_out": [{"name": "b", "reason": "no places in common"}]})");
-  const MapVersion map = PublishMap(store_, both, SealMap(staging));
+  const MapVersion map = PublishMap(store_, both, *SealMap(staging));
 
   ASSERT_EQ(map.drives.size(), 1u);
   EXPECT_EQ(map.drives[0].name, "a");
@@ -92,7 +92,7 @@ TEST_F(PublishedMap, ADriveThatTheWorkerLeftOutFailsWithTheReason) {
 }
 
 TEST_F(PublishedMap, ADriveStaysReadyWhenALaterJobFails) {
-  PublishMap(store_, job_, SealMap(Stage()));
+  PublishMap(store_, job_, *SealMap(Stage()));
   QueueMap(store_, "lot", {}, false);
   FailJob(store_, *ClaimJob(store_), "internal", "no luck");
 
@@ -102,7 +102,7 @@ TEST_F(PublishedMap, ADriveStaysReadyWhenALaterJobFails) {
 }
 
 TEST_F(PublishedMap, KeepsItsDriveReadyWhileALaterJobWaitsAndRuns) {
-  PublishMap(store_, job_, SealMap(Stage()));
+  PublishMap(store_, job_, *SealMap(Stage()));
   const auto drive_now = [&] {
     return store_.database.Read(
         [&](Connection& connection) { return FindDrive(connection, received_.drive.id); });
@@ -121,7 +121,7 @@ TEST_F(PublishedMap, KeepsItsDriveReadyWhileALaterJobWaitsAndRuns) {
 }
 
 TEST_F(PublishedMap, IsWhereAReviewStarts) {
-  PublishMap(store_, job_, SealMap(Stage()));
+  PublishMap(store_, job_, *SealMap(Stage()));
   const MapReview review{1, {"17-140", "18-141"}, {"a:3-90"}, {"a:3~b:7"}, {"a:4~b:8"}};
 
   QueueMap(store_, "lot", {}, false, review);
@@ -138,11 +138,11 @@ TEST_F(PublishedMap, IsWhereAReviewStarts) {
 
 TEST_F(PublishedMap, IsReviewedWithoutTheDrivesThatWereDeleted) {
   Receive(store_, "another log", {"b.bag", "lot", std::nullopt});
-  PublishMap(store_, job_, SealMap(Stage()));
+  PublishMap(store_, job_, *SealMap(Stage()));
   FinishCancelledJob(store_, *ClaimJob(store_));  // of b alone
   const Job both = (QueueMap(store_, "lot", {}, true), *ClaimJob(store_));
   const auto [a, b] = std::pair(both.drives.at(0), both.drives.at(1));
-  PublishMap(store_, both, SealMap(Stage()));
+  PublishMap(store_, both, *SealMap(Stage()));
   DeleteDrive(store_, a);
 
   const Job review = QueueMap(store_, "lot", {}, true, {.from_version = 2});
@@ -165,7 +165,7 @@ TEST_F(PublishedMap, NeedsAMeshAndAReport) {
   const auto staging = Stage();
   std::filesystem::remove(staging / "map.glb");
 
-  EXPECT_THROW(PublishMap(store_, job_, SealMap(staging)), Error);
+  EXPECT_THROW(PublishMap(store_, job_, *SealMap(staging)), Error);
   ExpectNothingPublished();
 }
 
@@ -173,7 +173,15 @@ TEST_F(PublishedMap, TakesNoLinksOutOfTheFolder) {
   const auto staging = Stage();
   std::filesystem::create_symlink("/etc/passwd", staging / "ground.ply");
 
-  EXPECT_THROW(PublishMap(store_, job_, SealMap(staging)), Error);
+  EXPECT_THROW(PublishMap(store_, job_, *SealMap(staging)), Error);
+  ExpectNothingPublished();
+}
+
+TEST_F(PublishedMap, IsSealedWhileSomebodyWantsIt) {
+  const auto staging = Stage();
+
+  EXPECT_FALSE(SealMap(staging, [] { return false; }).has_value());
+  EXPECT_TRUE(SealMap(staging).has_value()) << "a seal that was broken off can be made again";
   ExpectNothingPublished();
 }
 
@@ -181,7 +189,7 @@ TEST_F(PublishedMap, IsNotPublishedByAnAttemptThatWasGivenUp) {
   RetryCrashedJob(store_, job_, "crashed", "lost", {});
   ClaimJob(store_);
 
-  EXPECT_THROW(PublishMap(store_, job_, SealMap(Stage())), Error);
+  EXPECT_THROW(PublishMap(store_, job_, *SealMap(Stage())), Error);
   ExpectNothingPublished();
 }
 
@@ -189,7 +197,7 @@ TEST_F(PublishedMap, NeedsAReportThatIsJson) {
   const auto staging = Stage();
   WriteText(staging / "report.json", "{\"datum\": ");
 
-  EXPECT_THROW(PublishMap(store_, job_, SealMap(staging)), Error);
+  EXPECT_THROW(PublishMap(store_, job_, *SealMap(staging)), Error);
   ExpectNothingPublished();
 }
 

@@ -24,7 +24,7 @@ TEST(Store, OpensAgainWithRowsInEveryTable) {
     const auto staging = store.directory.AttemptFolder(job.id, 1) / "out";
     WriteText(staging / "map.glb", "glTF");
     WriteText(staging / "report.json", "{}");
-    PublishMap(store, job, SealMap(staging));
+    PublishMap(store, job, *SealMap(staging));
   }
   Store store(root.path());
   for (const char* table :

@@ -18,7 +18,7 @@ class PublishedSite : public StoreTest {
     const auto staging = store_.directory.AttemptFolder(job.id, job.attempt) / "out";
     WriteText(staging / "map.glb", "glTF of " + job.id);
     WriteText(staging / "report.json", report_);
-    return PublishMap(store_, job, SealMap(staging));
+    return PublishMap(store_, job, *SealMap(staging));
   }
   /// Another version of the same drives.
   MapVersion PublishAgain() {
