@@ -34,7 +34,10 @@ struct ObservedPoint {
 };
 
 /// What one view shows of one strip.
-using View = std::vector<ObservedPoint>;
+struct View {
+  int drive = 0;
+  std::vector<ObservedPoint> points = {};
+};
 
 /// What a camera looks at from one place.
 struct Seen {
@@ -80,9 +83,9 @@ struct Heights {
 };
 
 /// The samples of a patch that show a strip at some height of the sweep.
-View LookAt(const OutlineStrip& strip, double length, const SamplesAround& samples,
+std::vector<ObservedPoint> LookAt(const OutlineStrip& strip, double length, const SamplesAround& samples,
             const Vector3d& eye, const StripWindow& window) {
-  View view;
+  std::vector<ObservedPoint> points;
   const Vector2d outward = strip.Outward();
   const Vector3d eye_in_strip((eye - strip.foot).head<2>().dot(strip.along),
                               (eye - strip.foot).head<2>().dot(outward), eye.z() - strip.foot.z());
@@ -106,11 +109,11 @@ View LookAt(const OutlineStrip& strip, double length, const SamplesAround& sampl
     heights = heights.Within(place.x(), per_meter.x(), -0.5 * length, 0.5 * length);
     if (heights.lowest > heights.highest) return;
     const double distance = above * per_meter.norm();
-    view.push_back({static_cast<float>(place.x()), static_cast<float>(place.y()),
-                    static_cast<float>(-per_meter.x()), static_cast<float>(-per_meter.y()), gray,
-                    static_cast<float>(1 / (1 + distance * distance / (kSharp * kSharp)))});
+    points.push_back({static_cast<float>(place.x()), static_cast<float>(place.y()),
+                      static_cast<float>(-per_meter.x()), static_cast<float>(-per_meter.y()), gray,
+                      static_cast<float>(1 / (1 + distance * distance / (kSharp * kSharp)))});
   });
-  return view;
+  return points;
 }
 
 /// Weighted sums over samples.
@@ -140,7 +143,7 @@ class StripImage {
         columns_(static_cast<int>(std::lround(length / StripWindow::kCellSize))),
         cells_(static_cast<std::size_t>(columns_ * kRows)) {}
 
-  void Draw(double height, const std::vector<View>& views) {
+  void Draw(double height, std::span<const View> views) {
     hits_.clear();
     for (const View& view : views) Add(view, static_cast<float>(height));
     // An edge along the outline that crosses cells would look like views that disagree there.
@@ -187,7 +190,7 @@ class StripImage {
     constexpr auto kPerCell = static_cast<float>(1 / StripWindow::kCellSize);
     const std::size_t first = hits_.size();
     Sums of_view;
-    for (const ObservedPoint& observation : view) {
+    for (const ObservedPoint& observation : view.points) {
       const float x =
           kPerCell * (observation.along + height * observation.along_shift + half_length_);
       const float y =
@@ -216,30 +219,47 @@ class StripImage {
   std::vector<Hit> hits_;
 };
 
-double ParallaxOf(const std::vector<View>& views) {
+/// The views of each drive that has two, in order of the drives; those of a drive stand together.
+std::vector<std::span<const View>> ByDrive(std::span<const View> views) {
+  std::vector<std::span<const View>> drives;
+  for (std::size_t begin = 0, end = 0; begin < views.size(); begin = end) {
+    while (end < views.size() && views[end].drive == views[begin].drive) ++end;
+    if (end - begin > 1) drives.push_back(views.subspan(begin, end - begin));
+  }
+  return drives;
+}
+
+/// The sum over the views of a drive of how far their shifts along the strip are off their mean,
+/// squared.
+double SquaredParallaxOf(std::span<const View> views) {
   double sum = 0, square = 0;
   for (const View& view : views) {
     double shift = 0;
-    for (const ObservedPoint& point : view) shift += static_cast<double>(point.along_shift);
-    shift /= static_cast<double>(view.size());
+    for (const ObservedPoint& point : view.points) shift += static_cast<double>(point.along_shift);
+    shift /= static_cast<double>(view.points.size());
     sum += shift, square += shift * shift;
   }
-  const auto count = static_cast<double>(views.size());
-  return std::sqrt(std::max(0.0, square / count - sum * sum / (count * count)));
+  return std::max(0.0, square - sum * sum / static_cast<double>(views.size()));
 }
 
-SweptStrip Sweep(const std::vector<View>& views, double length, const StripWindow& window) {
+SweptStrip Sweep(std::span<const View> views, double length, const StripWindow& window) {
   SweptStrip swept;
-  swept.num_views = static_cast<int>(views.size());
-  if (views.size() < 2) return swept;
-  swept.parallax = ParallaxOf(views);
+  const auto num_heights = static_cast<std::size_t>(window.NumHeights());
+  double squared_parallax = 0;
   StripImage image(length, window);
-  for (int i = 0; i < window.NumHeights(); ++i) {
-    image.Draw(window.HeightAt(i), views);
-    swept.near_outline.push_back(image.OfRows(0, StripWindow::kNearRows));
-    swept.far_off.push_back(
-        image.OfRows(StripWindow::kNearRows, StripWindow::kNearRows + StripWindow::kFarRows));
+  for (const std::span<const View> of_drive : ByDrive(views)) {
+    swept.num_views += static_cast<int>(of_drive.size());
+    squared_parallax += SquaredParallaxOf(of_drive);
+    swept.near_outline.resize(num_heights);
+    swept.far_off.resize(num_heights);
+    for (std::size_t i = 0; i < num_heights; ++i) {
+      image.Draw(window.HeightAt(static_cast<double>(i)), of_drive);
+      swept.near_outline[i].Add(image.OfRows(0, StripWindow::kNearRows));
+      swept.far_off[i].Add(
+          image.OfRows(StripWindow::kNearRows, StripWindow::kNearRows + StripWindow::kFarRows));
+    }
   }
+  if (swept.num_views > 0) swept.parallax = std::sqrt(squared_parallax / swept.num_views);
   return swept;
 }
 
@@ -294,10 +314,11 @@ std::vector<std::vector<SweptStrip>> SweepStrips(std::span<const OutlineStrip> s
     auto looks = ParallelMap(list.size(), [&](std::size_t k) {
       const Vector3d& eye = eyes[list[k].first];
       const SamplesAround samples(patches.Read(list[k].first), eye);
+      const int drive = patches.views()[list[k].first].drive;
       std::vector<View> of_strips;  // window by window
       for (const StripWindow& window : windows)
         for (const std::size_t strip : list[k].second)
-          of_strips.push_back(LookAt(strips[strip], length, samples, eye, window));
+          of_strips.push_back({drive, LookAt(strips[strip], length, samples, eye, window)});
       return of_strips;
     });
     for (std::size_t w = 0; w < windows.size(); ++w) {
@@ -305,7 +326,7 @@ std::vector<std::vector<SweptStrip>> SweepStrips(std::span<const OutlineStrip> s
       for (std::size_t k = 0; k < list.size(); ++k)
         for (std::size_t i = 0; i < list[k].second.size(); ++i) {
           View& view = looks[k][w * list[k].second.size() + i];
-          if (!view.empty()) views_of[list[k].second[i]].push_back(std::move(view));
+          if (!view.points.empty()) views_of[list[k].second[i]].push_back(std::move(view));
         }
       ParallelFor(block.size(), [&](std::size_t i) {
         const auto found = views_of.find(block[i]);

@@ -41,7 +41,9 @@ struct SweptStrip {
 /// nothing: a car that passes a straight kerb sees the edge of its top at the same place of its
 /// plane from everywhere. So variance is that along rows parallel to the outline, and each view's
 /// mean is taken off at each height, so that exposures need not agree. Contrasts are bounded:
-/// bright things that stand there would outvote the ground. \return for each window one for each
+/// bright things that stand there would outvote the ground. The views of each drive are held
+/// against each other alone, and what all drives say is summed up: other days have other shadows,
+/// and drives lie centimeters off each other. \return for each window one for each
 /// strip. In parallel, the same every time. Memory: what is seen of the strips in a square of 24 m.
 std::vector<std::vector<SweptStrip>> SweepStrips(std::span<const OutlineStrip> strips,
                                                  double length, const PatchSource& patches,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -47,6 +48,28 @@ Eigen::Affine2d InPlane(const Rigid3& motion) {
   in_plane.translation() = motion.translation.head<2>();
   return in_plane;
 }
+
+/// The part of a line across the car that a motion takes into a box [m in y]; none of it where the
+/// end comes first.
+struct Stretch {
+  double begin = -std::numeric_limits<double>::infinity();
+  double end = std::numeric_limits<double>::infinity();
+
+  Stretch(const Eigen::Affine2d& motion, double x, const Eigen::AlignedBox2d& box) {
+    const Eigen::Vector2d start = motion * Eigen::Vector2d(x, 0), step = motion.linear().col(1);
+    for (int i = 0; i < 2; ++i) {
+      const double low = box.min()[i] - start[i], high = box.max()[i] - start[i];
+      if (step[i] == 0) {
+        if (low > 0 || high < 0) end = -std::numeric_limits<double>::infinity();
+        continue;
+      }
+      const double at_low = low / step[i], at_high = high / step[i];
+      begin = std::max(begin, std::min(at_low, at_high));
+      end = std::min(end, std::max(at_low, at_high));
+    }
+  }
+  bool Contains(double y) const { return y >= begin && y <= end; }
+};
 
 /// [m] in site: the camera of a view. Nothing where it is not known.
 std::optional<Eigen::Vector3d> EyeOf(const PatchView& view, const DrivenPath* path) {
@@ -131,7 +154,7 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
       static_cast<std::uint8_t>(1 + std::lround(254 * std::min(nearness, kNearEnough)));
   // What lies far behind an outline is no observation of the ground: it only tells that there is
   // none.
-  Hit hit{.observation = {.color = {sample.blue, sample.green, sample.red,
+  const Hit hit{.observation = {.color = {sample.blue, sample.green, sample.red,
                                     sample.IsBeyond() ? std::uint8_t{0} : rank},
                           .log_odds = static_cast<float>(log_odds),
                           .view = view,
@@ -139,7 +162,13 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
   const double reach = std::max(0.0, 0.5 * (static_cast<double>(sample.footprint) - cell_size_));
   const Eigen::Vector2i low = CellAt(point.head<2>().array() - reach),
                         high = CellAt(point.head<2>().array() + reach);
-  const Eigen::Vector2i home = field_->IndexOf(patch), first = SquareAt(low), last = SquareAt(high);
+  const Eigen::Vector2i home = field_->IndexOf(patch), origin = home * cells_per_side_;
+  if ((low.array() >= origin.array()).all() &&
+      (high.array() < origin.array() + cells_per_side_).all()) {
+    AddTo(patch, low, high.array() + 1, hit, hits);
+    return;
+  }
+  const Eigen::Vector2i first = SquareAt(low), last = SquareAt(high);
   for (int row = first.y(); row <= last.y(); ++row)
     for (int column = first.x(); column <= last.x(); ++column) {
       const Eigen::Vector2i square(column, row), corner = square * cells_per_side_;
@@ -148,12 +177,19 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
       const Eigen::Vector2d middle = 0.5 * cell_size_ * (begin + end).cast<double>();
       const int owner =
           square == home ? patch : field_->FindPatch({middle.x(), middle.y(), point.z()});
-      if (owner == HeightField::kNone || !IsPainted(owner)) continue;
-      hit.first = EvidenceAt(owner, begin);
-      hit.columns = static_cast<std::uint16_t>(end.x() - begin.x());
-      hit.rows = static_cast<std::uint16_t>(end.y() - begin.y());
-      hits[static_cast<size_t>(slots_[static_cast<size_t>(owner)]) % kShares].push_back(hit);
+      if (owner == HeightField::kNone) continue;
+      AddTo(owner, begin, end, hit, hits);
     }
+}
+
+/// Counts a hit for the cells of a square from `begin` to before `end`, where it is painted.
+void SurfacePainter::AddTo(int patch, const Eigen::Vector2i& begin, const Eigen::Vector2i& end,
+                           Hit hit, SharedHits& hits) const {
+  if (!IsPainted(patch)) return;
+  hit.first = EvidenceAt(patch, begin);
+  hit.columns = static_cast<std::uint16_t>(end.x() - begin.x());
+  hit.rows = static_cast<std::uint16_t>(end.y() - begin.y());
+  hits[static_cast<size_t>(slots_[static_cast<size_t>(patch)]) % kShares].push_back(hit);
 }
 
 SurfacePainter::SharedHits SurfacePainter::FindHits(const PatchView& view, const GroundPatch& patch,
@@ -251,10 +287,15 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
     const Eigen::Affine2d stood_from_ground = stood_from_site
                                                   ? InPlane(*stood_from_site * site_from_ground)
                                                   : Eigen::Affine2d::Identity();
-    for (int i = 0; i * apart <= car.wheelbase; ++i)
+    for (int i = 0; i * apart <= car.wheelbase; ++i) {
+      const double x = i * apart;
+      const Stretch marked(stood_from_ground, x, inside);
       for (int k = 0; k * apart <= 2 * half_track; ++k) {
-        const double x = i * apart, y = k * apart - half_track;
-        if (stood_from_site && inside.contains(stood_from_ground * Eigen::Vector2d(x, y))) continue;
+        const double y = k * apart - half_track;
+        if (stood_from_site && marked.Contains(y)) {
+          k = std::max(k, static_cast<int>((marked.end + half_track) / apart));
+          continue;
+        }
         const Eigen::Vector3d point = site_from_ground * Eigen::Vector3d(x, y, 0);
         const int patch = field_->FindPatch(point);
         if (patch == HeightField::kNone || !IsPainted(patch)) continue;
@@ -262,6 +303,7 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
         evidence.is_driven = true;
         evidence.log_odds = kLogOddsLimit;
       }
+    }
     stood_from_site = site_from_ground.Inverse();
   }
 }

@@ -78,6 +78,8 @@ class SurfacePainter {
   void EndDrive();
   void AddHit(const GroundSample& sample, int patch, const Eigen::Vector3d& point, double log_odds,
               ViewSet view, SharedHits& hits) const;
+  void AddTo(int patch, const Eigen::Vector2i& begin, const Eigen::Vector2i& end, Hit hit,
+             SharedHits& hits) const;
   SharedHits FindHits(const PatchView& view, const GroundPatch& patch, const DrivenPath* path,
                       const LatestDrives* latest) const;
   static Eigen::AlignedBox2d ReachOf(const PatchView& view, const Eigen::Vector3d* eye);

@@ -95,18 +95,14 @@ Json PoseToJson(const Rigid3& pose) {
 
 }  // namespace
 
-DriveDiagnostics MeasureDiagnostics(const OdometryResult& odometry, const Rig& log_rig,
-                                    const DriveRefinement& refinement, const GnssPositions& gnss,
-                                    const RefinementOptions& options) {
-  DriveDiagnostics diagnostics;
-  diagnostics.keyframes = odometry.keyframes;
-  diagnostics.gnss = gnss;
-  if (!odometry.measurements) return diagnostics;
-  diagnostics.images = ResidualsOfImages(*odometry.measurements, log_rig, refinement.rig,
-                                         refinement.odom_from_body, options);
-  diagnostics.wheels = SlipOfWheels(*odometry.measurements, refinement.rig,
-                                    refinement.odom_from_body, refinement.wheel_scale);
-  return diagnostics;
+DriveResiduals MeasureResiduals(const OdometryResult& odometry, const Rig& log_rig,
+                                const DriveRefinement& refinement,
+                                const RefinementOptions& options) {
+  if (!odometry.measurements) return {};
+  return {ResidualsOfImages(*odometry.measurements, log_rig, refinement.rig,
+                            refinement.odom_from_body, options),
+          SlipOfWheels(*odometry.measurements, refinement.rig, refinement.odom_from_body,
+                       refinement.wheel_scale)};
 }
 
 std::string EncodeDiagnostics(const SiteDrive& drive, const DriveDiagnostics& diagnostics,
@@ -115,9 +111,10 @@ std::string EncodeDiagnostics(const SiteDrive& drive, const DriveDiagnostics& di
   const Timestamp start = site_from_body.span().begin;
   Json series = Json::array();
   AddOfTrajectory(site_from_body, start, series);
-  AddOfImages(diagnostics.images, drive.rig, start, series);
+  AddOfImages(diagnostics.residuals.images, drive.rig, start, series);
   Series slip("wheel_slip", "m/s", "of the wheels, less the car's speed, while it moves", 1e4);
-  for (const WheelSlip& wheels : diagnostics.wheels) slip.Add(wheels.time - start, wheels.speed);
+  for (const WheelSlip& wheels : diagnostics.residuals.wheels)
+    slip.Add(wheels.time - start, wheels.speed);
   std::move(slip).AppendTo(series);
   AddOfGnss(diagnostics.gnss, site_from_body, start, datum, series);
   Json degraded = Json::array();

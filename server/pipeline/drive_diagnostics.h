@@ -6,24 +6,22 @@
 
 #include "core/site_map.h"
 #include "slam/odometry/odometry_result.h"
-#include "slam/refinement/image_residuals.h"
+#include "slam/refinement/drive_residuals.h"
 #include "slam/refinement/refine_drive.h"
-#include "slam/refinement/wheel_slip.h"
 
 namespace parkade {
 
 /// What there is to plot of a drive over time, beside its trajectory.
 struct DriveDiagnostics {
   std::vector<OdometryKeyframe> keyframes;
-  std::vector<ImageResidual> images;
-  std::vector<WheelSlip> wheels;  ///< while the car moves; empty without wheels
+  DriveResiduals residuals;
   GnssPositions gnss;
 };
 
-/// From what the odometry measured, held against the refined trajectory. Needs the measurements.
-DriveDiagnostics MeasureDiagnostics(const OdometryResult& odometry, const Rig& log_rig,
-                                    const DriveRefinement& refinement, const GnssPositions& gnss,
-                                    const RefinementOptions& options);
+/// What the odometry measured, held against the refined trajectory. Nothing without measurements.
+DriveResiduals MeasureResiduals(const OdometryResult& odometry, const Rig& log_rig,
+                                const DriveRefinement& refinement,
+                                const RefinementOptions& options);
 
 /// diagnostics.json of a drive: series over time with their units, and the stretches that were less
 /// sure than the rest. Times are seconds since `start`. A series that the drive has nothing for is

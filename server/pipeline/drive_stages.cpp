@@ -71,6 +71,18 @@ LoopReview ReviewFor(const DriveInWork& drive, const BuildContext& context) {
   return review;
 }
 
+/// The drive is refined, and has its measurements still.
+DriveResiduals ResidualsOf(const BuildContext& context, const DriveInWork& drive) {
+  const StageFile<DriveResiduals> file{drive.log->name() + "/residuals.bin", EncodeResiduals,
+                                       DecodeResiduals};
+  return Cached(context.cache, file, KeyOf({drive.refinement.key, "residuals"}),
+                [&] {
+                  return MeasureResiduals(drive.odometry.value, drive.log->rig(),
+                                          drive.refinement.value, context.options.refinement);
+                })
+      .value;
+}
+
 std::string KeyOfKeyframes(const DriveInWork& drive) {
   return KeyOf({drive.refinement.key, "places"});
 }
@@ -133,8 +145,7 @@ void Refine(const BuildContext& context, DriveInWork& drive) {
     return RefineDrive(odometry, drive.log->rig(), drive.loops.value, context.options.refinement,
                        gnss);
   });
-  drive.diagnostics = MeasureDiagnostics(odometry, drive.log->rig(), drive.refinement.value, gnss,
-                                         context.options.refinement);
+  drive.diagnostics = {odometry.keyframes, ResidualsOf(context, drive), gnss};
   odometry.measurements.reset();
   drive.calibrated.emplace(*drive.log, drive.refinement.value.rig);
 }

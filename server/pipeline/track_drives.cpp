@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "server/pipeline/kept_odometry.h"
+#include "slam/sessions/stage_results.h"
 
 namespace parkade {
 namespace {
@@ -19,7 +20,11 @@ DriveInWork TrackDrive(const RecordedDrive& log, const BuildContext& context,
     StoreOdometry(drive.odometry.value, std::nullopt, log, context);
   }
   drive.odometry.key = KeyOfOdometry(context.scope, log);
-  drive.agreement = MeasureSensorAgreement(drive.odometry.value);
+  const StageFile<SensorAgreement> file{log.name() + "/agreement.bin", EncodeAgreement,
+                                        DecodeAgreement};
+  drive.agreement = Cached(context.cache, file, KeyOf({drive.odometry.key, "agreement"}),
+                           [&] { return MeasureSensorAgreement(drive.odometry.value); })
+                        .value;
   return drive;
 }
 

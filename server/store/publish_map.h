@@ -20,11 +20,10 @@ struct SealedMap {
 };
 
 /// Hashes every file in `staging`, makes it durable and read-only: up to a minute for a large map.
-/// Nothing where `go_on`, asked at each megabyte, says no. Throws Error{kInternal} when the products
-/// are not a map or hold links or odd names, Error{kDiskFull}.
+/// Nothing where `go_on`, asked at each megabyte, says no. Throws Error{kInternal} when the
+/// products are not a map or hold links or odd names, Error{kDiskFull}.
 std::optional<SealedMap> SealMap(
-    const std::filesystem::path& staging,
-    const std::function<bool()>& go_on = [] { return true; });
+    const std::filesystem::path& staging, const std::function<bool()>& go_on = [] { return true; });
 
 /// Makes a sealed map the next version of its site and ends the job: the folder is renamed into the
 /// store, and one transaction makes it visible. Readers see the old state or the new one. Throws

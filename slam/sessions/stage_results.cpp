@@ -26,6 +26,28 @@ void Serialize(A& archive, RelativePose& pose) {
           pose.residual, pose.worst_sigma, pose.rejected);
 }
 template <typename A>
+void Serialize(A& archive, CameraLead& lead) {
+  archive(lead.camera, lead.ahead, lead.sigma);
+}
+template <typename A>
+void Serialize(A& archive, SensorAgreement& agreement) {
+  archive(agreement.turn_gain, agreement.turn_gain_sigma, agreement.turn_delay,
+          agreement.turn_delay_sigma, agreement.leads, agreement.body_lead,
+          agreement.body_lead_sigma, agreement.num_pairs);
+}
+template <typename A>
+void Serialize(A& archive, ImageResidual& image) {
+  archive(image.time, image.camera, image.num_inliers, image.rms);
+}
+template <typename A>
+void Serialize(A& archive, WheelSlip& slip) {
+  archive(slip.time, slip.speed);
+}
+template <typename A>
+void Serialize(A& archive, DriveResiduals& residuals) {
+  archive(residuals.images, residuals.wheels);
+}
+template <typename A>
 void Serialize(A& archive, LoopEvidence& loop) {
   archive(loop.id, loop.earlier_keyframe, loop.later_keyframe, loop.earlier_camera,
           loop.later_camera, loop.earlier_view, loop.later_view, loop.earlier, loop.later, loop.way,
@@ -140,6 +162,9 @@ Result Decode(std::string_view bytes, Result result = {}) {
 
 }  // namespace
 
+std::string EncodeAgreement(SensorAgreement agreement) { return Encode(agreement); }
+SensorAgreement DecodeAgreement(std::string_view bytes) { return Decode<SensorAgreement>(bytes); }
+
 std::string EncodeLoops(LoopClosure loops) { return Encode(loops); }
 LoopClosure DecodeLoops(std::string_view bytes) { return Decode<LoopClosure>(bytes); }
 
@@ -149,6 +174,9 @@ DriveRefinement DecodeRefinement(std::string_view bytes, const Rig& rig) {
   refinement.rig = rig;
   return Decode(bytes, std::move(refinement));
 }
+
+std::string EncodeResiduals(DriveResiduals residuals) { return Encode(residuals); }
+DriveResiduals DecodeResiduals(std::string_view bytes) { return Decode<DriveResiduals>(bytes); }
 
 KeyframesEncoder::KeyframesEncoder(size_t num_keyframes, std::function<void(std::string_view)> sink)
     : sink_(std::move(sink)) {

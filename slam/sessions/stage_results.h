@@ -7,7 +7,9 @@
 
 #include "core/files/appended_file.h"
 #include "slam/loops/close_loops.h"
+#include "slam/refinement/drive_residuals.h"
 #include "slam/refinement/refine_drive.h"
+#include "slam/refinement/sensor_agreement.h"
 #include "slam/sessions/session_loops.h"
 
 namespace parkade {
@@ -20,12 +22,18 @@ namespace parkade {
 /// Raised whenever one of the layouts, or what a stage does with the same inputs, changes.
 constexpr int kStageResultsVersion = 7;
 
+std::string EncodeAgreement(SensorAgreement agreement);
+SensorAgreement DecodeAgreement(std::string_view bytes);
+
 std::string EncodeLoops(LoopClosure loops);
 LoopClosure DecodeLoops(std::string_view bytes);
 
 /// \param rig  of the odometry, whose lenses and masks stay
 std::string EncodeRefinement(DriveRefinement refinement);
 DriveRefinement DecodeRefinement(std::string_view bytes, const Rig& rig);
+
+std::string EncodeResiduals(DriveResiduals residuals);
+DriveResiduals DecodeResiduals(std::string_view bytes);
 
 std::string EncodeKeyframes(const std::vector<RigKeyframe>& keyframes);
 std::vector<RigKeyframe> DecodeKeyframes(std::string_view bytes);

@@ -123,7 +123,8 @@ TEST_F(BuildMapTest, APreparedDriveIsNotWorkedOnAgain) {
   std::filesystem::remove_all(root_ / "preparation");
   const std::set<std::string> kept = ContentOf(root_ / "work" / "monday");
   for (const char* file :
-       {"odometry.bin", "loops.bin", "refinement.bin", "places.bin", "ground.bin", "heights.bin"})
+       {"odometry.bin", "agreement.bin", "loops.bin", "refinement.bin", "residuals.bin",
+        "places.bin", "ground.bin", "heights.bin"})
     EXPECT_TRUE(kept.contains(file)) << file;
 
   const BuiltMap prepared = Build(drives, "prepared", "", "work");

@@ -69,9 +69,9 @@ TEST(Diagnostics, WhatTheDriveHasNotIsLeftOut) {
 
 TEST(Diagnostics, ImagesWithoutInliersHaveNoResidual) {
   DriveDiagnostics diagnostics;
-  diagnostics.images = {{TimestampFromSeconds(100.5), 0, 30, 0.001},
+  diagnostics.residuals.images = {{TimestampFromSeconds(100.5), 0, 30, 0.001},
                         {TimestampFromSeconds(100.6), 0, 0, 0}};
-  diagnostics.wheels = {{TimestampFromSeconds(101), 0.25}};
+  diagnostics.residuals.wheels = {{TimestampFromSeconds(101), 0.25}};
   const json all = json::parse(EncodeDiagnostics(Backwards(), diagnostics, {}, std::nullopt));
 
   EXPECT_EQ(SeriesNamed(all, "inliers").at("camera"), "cam0");

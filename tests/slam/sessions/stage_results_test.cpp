@@ -118,6 +118,44 @@ TEST(StageResults, ARefinementComesBackOntoItsRig) {
   EXPECT_THROW(DecodeRefinement(EncodeRefinement(refinement), rig), Error);
 }
 
+TEST(StageResults, TheAgreementOfSensorsComesBackWithEveryBit) {
+  const SensorAgreement agreement{.turn_gain = 0.1,
+                                  .turn_gain_sigma = 0.2,
+                                  .turn_delay = 0.3,
+                                  .turn_delay_sigma = 0.4,
+                                  .leads = {{"cam0", 0.5, 0.6}, {"cam1", 0.7, 0.8}},
+                                  .body_lead = 0.9,
+                                  .body_lead_sigma = 1.1,
+                                  .num_pairs = 12};
+  const std::string bytes = EncodeAgreement(agreement);
+  const SensorAgreement read = DecodeAgreement(bytes);
+  EXPECT_EQ(read.turn_gain, 0.1);
+  EXPECT_EQ(read.turn_delay_sigma, 0.4);
+  ASSERT_EQ(read.leads.size(), 2u);
+  EXPECT_EQ(read.leads[1].camera, "cam1");
+  EXPECT_EQ(read.leads[1].sigma, 0.8);
+  EXPECT_EQ(read.body_lead_sigma, 1.1);
+  EXPECT_EQ(read.num_pairs, 12);
+  EXPECT_EQ(EncodeAgreement(read), bytes);
+  EXPECT_THROW(DecodeAgreement(bytes.substr(1)), Error);
+}
+
+TEST(StageResults, ResidualsComeBackWithEveryBit) {
+  const DriveResiduals residuals{{{Timestamp{3}, 1, 40, 0.001}, {Timestamp{4}, 2, 0, 0}},
+                                 {{Timestamp{5}, 0.25}}};
+  const std::string bytes = EncodeResiduals(residuals);
+  const DriveResiduals read = DecodeResiduals(bytes);
+  ASSERT_EQ(read.images.size(), 2u);
+  EXPECT_EQ(read.images[0].time, Timestamp{3});
+  EXPECT_EQ(read.images[0].camera, 1);
+  EXPECT_EQ(read.images[0].num_inliers, 40);
+  EXPECT_EQ(read.images[0].rms, 0.001);
+  ASSERT_EQ(read.wheels.size(), 1u);
+  EXPECT_EQ(read.wheels[0].time, Timestamp{5});
+  EXPECT_EQ(read.wheels[0].speed, 0.25);
+  EXPECT_EQ(EncodeResiduals(read), bytes);
+}
+
 TEST(StageResults, WhatIsCutOffIsNoResult) {
   const std::string bytes = EncodeKeyframes(DriveWorld().Drive(1).drive.keyframes);
   for (const size_t length : {size_t{0}, size_t{7}, bytes.size() / 2, bytes.size() - 1})
