@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double kBlock = 24.0;  // [m] side of squares of the site whose strips are swept at once
 constexpr std::size_t kMaxViews = 60;  // of a strip: the nearest ...
-constexpr int kMaxDrives = 4;          // ... of the latest drives that look at it
+constexpr int kMaxDrives = 3;          // ... of the latest drives that look at it
 constexpr double kMinEyeHeight = 0.3;  // [m] above the ground
 constexpr double kMaxEyeHeight = 2.5;  // [m]; higher ones are on another deck
 constexpr double kMinAway = 0.3;    // [m] of the camera from the outline, on the side of the ground

@@ -19,7 +19,7 @@ constexpr double kSideMargin =
 constexpr double kEndMargin = 0.4;   // [m] the same at the ends
 constexpr double kFreeShare = 0.55;  // of what is left that must be seen as ground in a free slot
 constexpr double kOccupiedShare = 0.03;  // the least share of something else in an occupied one
-constexpr double kSquare = 2.0;          // [m] of the squares in which slots are sorted
+constexpr double kSquare = 1.0;          // [m] of the squares in which slots are sorted
 constexpr double kReach = 0.5;  // [m] that a ray may move between its own plane and the slot's
 constexpr double kMaxHeightStep = 1.2;  // [m] between those
 constexpr int kColumns = 8, kRows = 16;

@@ -19,7 +19,7 @@ struct SurfaceOptions {
   double max_height_sigma = 0.04;  ///< [m] ground whose height is known less well is not mapped
   double min_island_area =
       200.0;              ///< [m^2] smaller free islands that no car drove on are most often walls
-  int latest_drives = 4;  ///< so many of the latest drives that looked at a place decide about it
+  int latest_drives = 3;  ///< so many of the latest drives that looked at a place decide about it
   double tile_size = 48.0;  ///< [m] of the squares painted two at a time; less takes less memory
   HeightFieldOptions height;
   MeasureHeightsOptions sweep;

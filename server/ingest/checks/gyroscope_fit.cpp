@@ -27,6 +27,7 @@ struct PairEquations {
   std::vector<double> residuals;  ///< [rad]
   std::vector<Unknowns> jacobians;
   std::vector<double> by_speed;  ///< [rad] per share of the pair's speed, where it is not sure
+  double turned = 0;             ///< [rad] by the gyroscope
 };
 
 /// What the IMU and the wheels say of the time between two images.
@@ -50,6 +51,7 @@ PairEquations EquationsOf(const ImagePair& pair, const RigCamera& camera, const 
       (camera_from_body * rig.body_from_imu.rotation).conjugate().toRotationMatrix();
   const Eigen::Vector3d read = LogSo3(readings.turn);
   PairEquations equations;
+  equations.turned = read.norm();
   equations.residuals.reserve(pair.from.size());
   equations.jacobians.reserve(pair.from.size());
   constexpr double kShare = 0.01;
@@ -199,6 +201,7 @@ std::optional<GyroscopeFit> FitOnce(const Rig& rig, const std::vector<const Imag
       fit.true_from_read(row, column) += solution[at];
       fit.sigma(row, column) = std::sqrt(covariance(at, at));
     }
+  for (const PairEquations& pair : all) fit.turned = std::hypot(fit.turned, pair.turned);
   const NormalEquations last = SumUp(all, solution, kNearPlane, speed_weight);
   fit.explained = last.num_near / std::max(last.num_points, 1.0);
   fit.bias = -solution.segment<3>(kConstantRate);
@@ -211,13 +214,16 @@ std::optional<GyroscopeFit> FitOnce(const Rig& rig, const std::vector<const Imag
 }  // namespace
 
 GyroscopeGain GainOf(const GyroscopeFit& fit) {
+  // What no model of the points tells, as of reflections, is alike in all pairs of a drive. It
+  // weighs little beside turns at corners, and much beside those of a street.
+  constexpr double kUnmodeled = 2e-3;  // [rad] of the turns' root sum of squares
   double sum = 0, weight = 0;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const double of_axis = std::pow(fit.sigma(axis, axis), -2);
     sum += of_axis * fit.true_from_read(axis, axis);
     weight += of_axis;
   }
-  return {sum / weight, 1 / std::sqrt(weight)};
+  return {sum / weight, std::hypot(1 / std::sqrt(weight), kUnmodeled / fit.turned)};
 }
 
 std::optional<GyroscopeFit> FitGyroscope(const Rig& rig,

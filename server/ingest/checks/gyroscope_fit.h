@@ -19,6 +19,7 @@ struct GyroscopeFit {
   Eigen::Vector3d bias = Eigen::Vector3d::Zero();  ///< [rad/s] read beyond the true rates
   double bias_sigma = 0;                           ///< [rad/s] of its length
   double explained = 0;  ///< share of the points that lie near their planes by the fit
+  double turned = 0;     ///< [rad] root of the sum of the squares of what pairs turned
 };
 
 /// Fits rotations to what points of image pairs do: least squares of the distances [rad] of points

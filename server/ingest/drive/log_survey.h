@@ -32,7 +32,7 @@ LogSurvey SurveyLog(const MessageSource& source, std::vector<SensorStream> strea
                     int stretch = 0);
 
 /// Raised whenever the layout of EncodeSurveys changes, or what is found in the same log.
-inline constexpr int kSurveyVersion = 1;
+inline constexpr int kSurveyVersion = 2;
 
 /// The surveys of a log's stretches as bytes, every number as it is in memory.
 std::string EncodeSurveys(std::vector<LogSurvey> surveys);

@@ -51,17 +51,18 @@ double GrayAlong(const Vector3d& eye, const Vector3d& point, const Border& borde
 }
 
 /// Three cameras at different heights and distances look to their left while the car drives along y
-/// = 0.
+/// = 0. `off` [m]: by which its poses are wrong.
 struct DrawnDrive {
   std::vector<PosedGroundPatch> patches;
   DrivenPath path;
 
-  explicit DrawnDrive(const Border& border) {
+  explicit DrawnDrive(const Border& border, int drive = 0, const Vector3d& off = {0, 0, 0}) {
+    path.drive = drive;
     path.cameras_in_body = {
         {0, 0.8, kEyeHeight}, {2, 0, 0.8 * kEyeHeight}, {-1, 0.4, 1.1 * kEyeHeight}};
     for (int camera = 0; camera < 3; ++camera)
       for (double x = 0; x <= 12; x += 1) {
-        PosedGroundPatch posed{{.drive = 0, .camera = camera, .time = {}, .samples = {}}, {}};
+        PosedGroundPatch posed{{.drive = drive, .camera = camera, .time = {}, .samples = {}}, {}};
         posed.site_from_body.translation.x() = x;
         const Vector3d eye = path.cameras_in_body[static_cast<size_t>(camera)] + Vector3d(x, 0, 0);
         for (double gx = eye.x() - 5; gx <= eye.x() + 5; gx += 0.06)
@@ -75,6 +76,7 @@ struct DrawnDrive {
             sample.confidence = gy < kBorder + 1 ? 1.0F : 0.0F;
             posed.patch.samples.push_back(sample);
           }
+        posed.site_from_body.translation += off;
         patches.push_back(std::move(posed));
       }
   }
@@ -124,6 +126,41 @@ std::vector<Kerb> Find(const Border& border, double height_error = 0) {
   const DrawnGround ground(height_error);
   return FindKerbs(ground.mesh, ground.surface, PatchesInMemory(drive.patches),
                    std::span(&drive.path, 1));
+}
+
+// Drives lie centimeters off each other, and other days have other shadows.
+TEST(SweepStrips, HoldsTheViewsOfEachDriveAgainstEachOtherAlone) {
+  const Border border;
+  const DrawnDrive monday(border, 0), friday(border, 1, {0.1, -0.04, 0.01});
+  std::vector<PosedGroundPatch> both = monday.patches;
+  both.insert(both.end(), friday.patches.begin(), friday.patches.end());
+  const std::vector<DrivenPath> paths = {monday.path, friday.path};
+  const DrawnGround ground;
+  std::vector<OutlineStrip> strips = CutOutline(ground.mesh, ground.surface, 0.5);
+  std::erase_if(strips, [](const OutlineStrip& strip) {
+    return std::abs(strip.foot.y() - kBorder) > 0.02 || strip.foot.x() > -1;  // few views
+  });
+  const StripWindow window;
+  const auto sweep = [&](std::span<const PosedGroundPatch> patches) {
+    return SweepStrips(strips, 0.5, PatchesInMemory(patches), paths, std::span(&window, 1))[0];
+  };
+
+  const std::vector<SweptStrip> first = sweep(monday.patches), second = sweep(friday.patches),
+                                sum = sweep(both);
+
+  ASSERT_GT(strips.size(), 2U);
+  for (std::size_t i = 0; i < strips.size(); ++i) {
+    EXPECT_EQ(sum[i].num_views, first[i].num_views + second[i].num_views);
+    ASSERT_FALSE(sum[i].near_outline.empty());
+    for (std::size_t k = 0; k < sum[i].near_outline.size(); ++k) {
+      const Agreement &one = first[i].near_outline[k], &other = second[i].near_outline[k];
+      EXPECT_FLOAT_EQ(sum[i].near_outline[k].residual, one.residual + other.residual);
+      EXPECT_FLOAT_EQ(sum[i].near_outline[k].total, one.total + other.total);
+      EXPECT_EQ(sum[i].near_outline[k].num_cells, one.num_cells + other.num_cells);
+    }
+    EXPECT_GT(sum[i].parallax, 0.9 * std::min(first[i].parallax, second[i].parallax));
+    EXPECT_LT(sum[i].parallax, 1.1 * std::max(first[i].parallax, second[i].parallax));
+  }
 }
 
 TEST(FindKerbs, MeasuresAStepUpToSomethingLevel) {

@@ -212,6 +212,21 @@ TEST(CameraChecks, ExamineAGyroscopeWithoutWheels) {
   EXPECT_NEAR(late[0].evidence.at(kDelay), 0.1, 0.01);
 }
 
+TEST(GyroscopeFit, OfAStreetDoesNotTellAGain) {
+  GyroscopeFit fit;
+  fit.true_from_read *= 0.91;
+  fit.sigma.setConstant(0.035);
+  fit.turned = 0.6;  // around corners
+  EXPECT_NEAR(GainOf(fit).sigma, 0.02, 0.001);
+  EXPECT_EQ(CheckGyroscope(fit, "/imu").size(), 0u) << "points do not lie near their planes";
+  fit.explained = 1;
+  EXPECT_EQ(CheckGyroscope(fit, "/imu").size(), 1u);
+
+  fit.turned = 0.048;  // over 60 m of a street
+  EXPECT_GT(GainOf(fit).sigma, 0.04);
+  EXPECT_EQ(CheckGyroscope(fit, "/imu").size(), 0u);
+}
+
 TEST(CameraChecks, SeeTheCarMoveWhileWheelsSayItStands) {
   const TurningCar car;
   CameraChecks checks(car.rig());
