@@ -31,32 +31,32 @@ ViewSet ViewFrom(const Eigen::Vector3d& eye, const Eigen::Vector3d& point) {
 void CellEvidence::EndDrive() {
   // From where it was seen, something stands in the way now; from elsewhere it may always have
   // been hidden.
-  const bool is_blocked = std::popcount(seen_from & hidden_now) >= kCoveringViews;
+  const bool is_blocked = std::popcount(seen_from & shown_now.occupied_views) >= kCoveringViews;
   const float now = std::exchange(log_odds_now, 0.0F);
   const bool has_changed =
       now * log_odds < 0 && std::abs(now) >= kChangeLogOdds && (now > 0 || is_blocked || is_driven);
   log_odds = has_changed ? now : std::clamp(log_odds + now, -kLogOddsLimit, kLogOddsLimit);
-  if (has_changed) (now > 0 ? occupied_sum : free_sum) = 0;
-  const bool is_covered = is_blocked && seen_now == 0;
+  const bool is_covered = is_blocked && shown_now.free_views == 0;
   if (is_covered) {
     log_odds = std::min(log_odds, kCoveredLogOdds);
-    free_sum = 0;
     seen_from = 0;
   }
   is_hit = false;
   for (float& weight : classes) weight *= kEarlierClasses;
-  seen_from |= seen_now;
-  hidden_from |= hidden_now;
-  seen_now = hidden_now = 0;
+  seen_from |= shown_now.free_views;
+  shown_now.log_odds = now;
+  const bool tells = (shown_now.free_views | shown_now.occupied_views) != 0;
+  if (tells || shown.free + shown.occupied == 0) shown = shown_now;
+  shown_now = {};
 }
 
 ObservationSummary CellEvidence::Summary() const {
-  return {.free = ObservationSummary::PackLogOdds(free_sum),
-          .occupied = ObservationSummary::PackLogOdds(occupied_sum),
+  return {.free = ObservationSummary::PackLogOdds(shown.free),
+          .occupied = ObservationSummary::PackLogOdds(shown.occupied),
           .nearness = observations.Nearness(),
           .disagreement = observations.Disagreement(),
-          .free_views = static_cast<std::uint8_t>(std::popcount(seen_from)),
-          .occupied_views = static_cast<std::uint8_t>(std::popcount(hidden_from))};
+          .free_views = static_cast<std::uint8_t>(std::popcount(shown.free_views)),
+          .occupied_views = static_cast<std::uint8_t>(std::popcount(shown.occupied_views))};
 }
 
 std::array<std::uint8_t, kNumSurfaceClasses> CellEvidence::ClassBeliefs() const {

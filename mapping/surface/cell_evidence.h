@@ -29,16 +29,23 @@ struct CellObservation {
   SurfaceClass surface = SurfaceClass::kUnknown;
 };
 
+/// What one drive shows of a cell, for and against drivable ground.
+struct ShownCell {
+  float log_odds = 0;            ///< as CellEvidence has them
+  float free = 0, occupied = 0;  ///< sums of log-odds
+  ViewSet free_views = 0, occupied_views = 0;
+};
+
 /// What is known of a cell.
 struct CellEvidence {
   float log_odds = 0;      ///< of the drives before this one
   float log_odds_now = 0;  ///< of this drive
   bool is_driven = false;
-  bool is_hit = false;                   ///< in this drive
-  ViewSet seen_from = 0;                 ///< in earlier drives, as free ground
-  ViewSet seen_now = 0, hidden_now = 0;  ///< in this drive; hidden: seen as something else
-  ViewSet hidden_from = 0;               ///< in earlier drives
-  float free_sum = 0, occupied_sum = 0;  ///< log-odds for and against, of all drives that count
+  bool is_hit = false;    ///< in this drive
+  ViewSet seen_from = 0;  ///< in earlier drives, as free ground
+  ShownCell shown;        ///< by the latest of the drives before that told of the cell: by all of
+                          ///< them, parked cars of other days would make it look doubtful
+  ShownCell shown_now;    ///< by this drive
   CellColor observations;
   std::array<float, kNumSurfaceClasses> classes{};  ///< weights of what images show
 
@@ -46,8 +53,9 @@ struct CellEvidence {
 
   void Count(const CellObservation& observation) {
     log_odds_now = std::clamp(log_odds_now + observation.log_odds, -kLogOddsLimit, kLogOddsLimit);
-    (observation.log_odds > 0 ? seen_now : hidden_now) |= observation.view;
-    (observation.log_odds > 0 ? free_sum : occupied_sum) += std::abs(observation.log_odds);
+    const bool is_free = observation.log_odds > 0;
+    (is_free ? shown_now.free_views : shown_now.occupied_views) |= observation.view;
+    (is_free ? shown_now.free : shown_now.occupied) += std::abs(observation.log_odds);
     if (observation.surface != SurfaceClass::kUnknown)
       classes[static_cast<std::size_t>(observation.surface)] += std::abs(observation.log_odds);
     if (observation.color.rank > 0)

@@ -10,9 +10,11 @@ namespace {
 /// Each about from -1 to 1.
 std::array<float, kOutlineFeatures> FeaturesOf(const SurfacePainter::PaintedCell& painted) {
   const float belief = std::clamp(painted.cell.free_belief, 1e-4F, 1 - 1e-4F);
+  const float log_odds =
+      painted.is_driven ? std::log(belief / (1 - belief)) : painted.shown_log_odds;
   const auto byte = [](std::uint8_t value) { return static_cast<float>(value) / 255; };
   return {1.0F,
-          std::log(belief / (1 - belief)) / 8,
+          log_odds / 8,
           byte(painted.observations.free),
           byte(painted.observations.occupied),
           painted.is_driven ? 1.0F : 0.0F,

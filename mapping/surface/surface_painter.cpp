@@ -329,6 +329,7 @@ std::vector<SurfacePainter::PaintedCell> SurfacePainter::Cells() const {
       painted.cell.free_belief = 1 / (1 + std::exp(-evidence.log_odds));
       painted.cell.color = evidence.observations.Color();
       painted.cell.class_beliefs = evidence.ClassBeliefs();
+      painted.shown_log_odds = evidence.shown.log_odds;
       painted.is_seen = !evidence.observations.empty();
       painted.is_driven = evidence.is_driven;
       painted.observations = evidence.Summary();

@@ -49,7 +49,8 @@ class SurfacePainter {
   /// A cell of the result with what has not yet been decided about it.
   struct PaintedCell {
     SurfaceCell cell;
-    bool is_seen = false;  ///< has a color
+    float shown_log_odds = 0;  ///< of the latest drive that told of it
+    bool is_seen = false;      ///< has a color
     bool is_driven = false;
     float raised = 0;     ///< [m] above where the road that cars drove on would go on to
     float measured = 0;   ///< [m] the same of what views of the place agreed on; 0 without
