@@ -16,7 +16,13 @@ using PaintedCell = SurfacePainter::PaintedCell;
 
 constexpr double kMaxStep = 0.1;  // [m]
 
-/// Ground with patches of all colors and beliefs, some cells unseen, a lane driven.
+double LogOdds(const PaintedCell& cell) {
+  const auto belief = static_cast<double>(cell.cell.free_belief);
+  return std::log(belief / (1 - belief));
+}
+
+/// Ground with patches of all colors and beliefs, some cells unseen, a lane driven. The latest
+/// drive is surer of it than all are.
 std::vector<PaintedCell> MakeGround(const Eigen::Vector2i& corner, const Eigen::Vector2i& size,
                                     unsigned seed) {
   std::vector<PaintedCell> cells;
@@ -30,6 +36,7 @@ std::vector<PaintedCell> MakeGround(const Eigen::Vector2i& corner, const Eigen::
       PaintedCell& painted = cells.emplace_back();
       painted.cell = {.x = corner.x() + x, .y = corner.y() + y};
       painted.cell.free_belief = 0.02F + 0.96F * static_cast<float>(of_block() % 100) / 100;
+      painted.shown_log_odds = 1.5F * static_cast<float>(LogOdds(painted));
       for (std::uint8_t& value : painted.cell.color)
         value = static_cast<std::uint8_t>(of_block() % 256);
       painted.observations = {.free = static_cast<std::uint8_t>(of_cell() % 256),
@@ -47,11 +54,6 @@ std::vector<PaintedCell> MakeGround(const Eigen::Vector2i& corner, const Eigen::
   return cells;
 }
 
-double LogOdds(const PaintedCell& cell) {
-  const auto belief = static_cast<double>(cell.cell.free_belief);
-  return std::log(belief / (1 - belief));
-}
-
 TEST(OutlineFeatures, AreMeansOfSeenCells) {
   const std::vector<PaintedCell> cells = MakeGround({-5, 4}, {60, 40}, 1);
   const std::vector<DeckRaster> decks =
@@ -67,7 +69,9 @@ TEST(OutlineFeatures, AreMeansOfSeenCells) {
                        (cell.cell.y - decks[0].origin.y()) / 2 - window.y);
     if (!cell.is_seen || !cv::Rect({}, window.size()).contains(at)) continue;
     seen.at<double>(at) += 0.25;
-    belief.at<double>(at) += 0.25 * LogOdds(cell) / 8;
+    const double log_odds =
+        cell.is_driven ? LogOdds(cell) : static_cast<double>(cell.shown_log_odds);
+    belief.at<double>(at) += 0.25 * log_odds / 8;
     raised.at<double>(at) += 0.25 * static_cast<double>(cell.raised) / 0.1;
     blue.at<double>(at) += 0.25 * (cell.cell.color[2] / 255.0 - 0.5);
   }
