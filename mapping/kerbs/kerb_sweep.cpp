@@ -83,8 +83,9 @@ struct Heights {
 };
 
 /// The samples of a patch that show a strip at some height of the sweep.
-std::vector<ObservedPoint> LookAt(const OutlineStrip& strip, double length, const SamplesAround& samples,
-            const Vector3d& eye, const StripWindow& window) {
+std::vector<ObservedPoint> LookAt(const OutlineStrip& strip, double length,
+                                  const SamplesAround& samples, const Vector3d& eye,
+                                  const StripWindow& window) {
   std::vector<ObservedPoint> points;
   const Vector2d outward = strip.Outward();
   const Vector3d eye_in_strip((eye - strip.foot).head<2>().dot(strip.along),

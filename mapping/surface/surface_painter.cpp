@@ -155,10 +155,10 @@ void SurfacePainter::AddHit(const GroundSample& sample, int patch, const Eigen::
   // What lies far behind an outline is no observation of the ground: it only tells that there is
   // none.
   const Hit hit{.observation = {.color = {sample.blue, sample.green, sample.red,
-                                    sample.IsBeyond() ? std::uint8_t{0} : rank},
-                          .log_odds = static_cast<float>(log_odds),
-                          .view = view,
-                          .surface = sample.surface}};
+                                          sample.IsBeyond() ? std::uint8_t{0} : rank},
+                                .log_odds = static_cast<float>(log_odds),
+                                .view = view,
+                                .surface = sample.surface}};
   const double reach = std::max(0.0, 0.5 * (static_cast<double>(sample.footprint) - cell_size_));
   const Eigen::Vector2i low = CellAt(point.head<2>().array() - reach),
                         high = CellAt(point.head<2>().array() + reach);

@@ -22,9 +22,9 @@ DriveInWork TrackDrive(const RecordedDrive& log, const BuildContext& context,
   drive.odometry.key = KeyOfOdometry(context.scope, log);
   const StageFile<SensorAgreement> file{log.name() + "/agreement.bin", EncodeAgreement,
                                         DecodeAgreement};
-  drive.agreement = Cached(context.cache, file, KeyOf({drive.odometry.key, "agreement"}),
-                           [&] { return MeasureSensorAgreement(drive.odometry.value); })
-                        .value;
+  drive.agreement = Cached(context.cache, file, KeyOf({drive.odometry.key, "agreement"}), [&] {
+                      return MeasureSensorAgreement(drive.odometry.value);
+                    }).value;
   return drive;
 }
 

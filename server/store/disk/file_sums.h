@@ -21,8 +21,7 @@ struct FileSums {
 /// Reads the whole file once. Nothing where `go_on`, asked before each piece, says no. Throws
 /// Error{kInternal} where the file cannot be read.
 std::optional<FileSums> SumsOfFile(
-    const std::filesystem::path& file,
-    const std::function<bool()>& go_on = [] { return true; });
+    const std::filesystem::path& file, const std::function<bool()>& go_on = [] { return true; });
 
 /// True when the file is as long as it should be and has these pieces. Reads it whole.
 bool HasPieces(const std::filesystem::path& file, std::int64_t bytes, std::string_view pieces);

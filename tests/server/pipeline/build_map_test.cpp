@@ -122,9 +122,8 @@ TEST_F(BuildMapTest, APreparedDriveIsNotWorkedOnAgain) {
   PrepareDrive(drives[0], options_, ScopeOf("preparation", "", "work"), progress);
   std::filesystem::remove_all(root_ / "preparation");
   const std::set<std::string> kept = ContentOf(root_ / "work" / "monday");
-  for (const char* file :
-       {"odometry.bin", "agreement.bin", "loops.bin", "refinement.bin", "residuals.bin",
-        "places.bin", "ground.bin", "heights.bin"})
+  for (const char* file : {"odometry.bin", "agreement.bin", "loops.bin", "refinement.bin",
+                           "residuals.bin", "places.bin", "ground.bin", "heights.bin"})
     EXPECT_TRUE(kept.contains(file)) << file;
 
   const BuiltMap prepared = Build(drives, "prepared", "", "work");

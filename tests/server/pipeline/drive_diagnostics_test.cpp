@@ -70,7 +70,7 @@ TEST(Diagnostics, WhatTheDriveHasNotIsLeftOut) {
 TEST(Diagnostics, ImagesWithoutInliersHaveNoResidual) {
   DriveDiagnostics diagnostics;
   diagnostics.residuals.images = {{TimestampFromSeconds(100.5), 0, 30, 0.001},
-                        {TimestampFromSeconds(100.6), 0, 0, 0}};
+                                  {TimestampFromSeconds(100.6), 0, 0, 0}};
   diagnostics.residuals.wheels = {{TimestampFromSeconds(101), 0.25}};
   const json all = json::parse(EncodeDiagnostics(Backwards(), diagnostics, {}, std::nullopt));
 
