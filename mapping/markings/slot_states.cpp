@@ -2,9 +2,7 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
-#include <span>
 
 #include "core/math/fast_floor.h"
 #include "core/parallel.h"
@@ -27,7 +25,7 @@ constexpr float kKnown = 0.15F;  // of evidence in a cell
 
 using Cells = std::array<float, kColumns * kRows>;
 
-/// Slots by squares of ground: those that may lie at a point.
+/// Slots by squares of ground.
 class SlotSquares {
  public:
   explicit SlotSquares(const std::vector<ParkingSlot>& slots) {
@@ -41,44 +39,23 @@ class SlotSquares {
       const auto last = ((high + kReach) / kSquare).floor().cast<int>().eval();
       for (int x = first.x(); x <= last.x(); ++x)
         for (int y = first.y(); y <= last.y(); ++y) {
-          int square = squares_.First(x, y);
-          if (square == PatchIndex::kNone) {
-            square = static_cast<int>(slots_.size());
-            squares_.Add(x, y);
-            slots_.emplace_back();
-          }
-          slots_[static_cast<std::size_t>(square)].push_back(i);
+          squares_.Add(x, y);
+          slots_.push_back(i);
         }
     }
   }
 
-  std::span<const std::size_t> At(int x, int y) const {
-    const int square = squares_.First(x, y);
-    if (square == PatchIndex::kNone) return {};
-    return slots_[static_cast<std::size_t>(square)];
+  /// Calls `visit(slot)` for those that may lie at a point.
+  template <typename Visitor>
+  void VisitAt(const Eigen::Vector3d& point, const Visitor& visit) const {
+    for (int entry = squares_.First(FastFloor(point.x() / kSquare), FastFloor(point.y() / kSquare));
+         entry != PatchIndex::kNone; entry = squares_.Next(entry))
+      visit(slots_[static_cast<std::size_t>(entry)]);
   }
 
  private:
   PatchIndex squares_;
-  std::vector<std::vector<std::size_t>> slots_;  // by square
-};
-
-/// SlotSquares::At for points of which most lie in the square of the one before.
-class SlotsAt {
- public:
-  explicit SlotsAt(const SlotSquares& squares) : squares_(&squares) {}
-
-  std::span<const std::size_t> operator()(const Eigen::Vector3d& point) {
-    constexpr double kPerMeter = 1 / kSquare;
-    const int x = FastFloor(point.x() * kPerMeter), y = FastFloor(point.y() * kPerMeter);
-    if (x != x_ || y != y_) x_ = x, y_ = y, slots_ = squares_->At(x, y);
-    return slots_;
-  }
-
- private:
-  const SlotSquares* squares_;
-  int x_ = std::numeric_limits<int>::min(), y_ = 0;
-  std::span<const std::size_t> slots_;
+  std::vector<std::size_t> slots_;  // by the entries' numbers
 };
 
 /// The part of a slot that counts, as an affine grid.
@@ -113,7 +90,7 @@ Eigen::Vector3d MeetHeight(const std::optional<Eigen::Vector3d>& eye, const Eige
 }
 
 struct Hit {
-  std::uint32_t slot = 0, cell = 0;
+  std::size_t slot = 0, cell = 0;
   float evidence = 0;  ///< positive: ground
 };
 
@@ -126,19 +103,16 @@ std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenP
   if (path != nullptr && camera < path->cameras_in_body.size())
     eye = patch.site_from_body * path->cameras_in_body[camera];
   const Eigen::Isometry3d site_from_body = IsometryOf(patch.site_from_body);
-  SlotsAt slots_at(squares);
   for (const GroundSample& sample : patch.patch.samples) {
     if (sample.confidence <= 0) continue;
     const Eigen::Vector3d point = site_from_body * sample.point_in_body.cast<double>();
-    for (const std::size_t slot : slots_at(point)) {
+    squares.VisitAt(point, [&](std::size_t slot) {
       const double height = grids[slot].origin.z();
-      if (std::abs(point.z() - height) > kMaxHeightStep) continue;
+      if (std::abs(point.z() - height) > kMaxHeightStep) return;
       const std::optional<std::size_t> cell =
           grids[slot].CellAt(MeetHeight(eye, point, height).head<2>());
-      if (cell)
-        hits.push_back({static_cast<std::uint32_t>(slot), static_cast<std::uint32_t>(*cell),
-                        (sample.is_free ? 1.0F : -1.0F) * sample.confidence});
-    }
+      if (cell) hits.push_back({slot, *cell, (sample.is_free ? 1.0F : -1.0F) * sample.confidence});
+    });
   }
   return hits;
 }
