@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cfloat>
 #include <cmath>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
@@ -12,6 +11,7 @@
 #include "mapping/networks/builtin_network.h"
 #include "mapping/networks/network_copies.h"
 #include "mapping/networks/onnx_input_size.h"
+#include "mapping/networks/tell_classes.h"
 
 namespace parkade {
 namespace {
@@ -29,28 +29,18 @@ constexpr int kNumClasses = static_cast<int>(kNumSurfaceClasses);
 const std::array<float, kNumSurfaceClasses> kOverrated = {
     1, std::sqrt(2.0F), 1, 1, std::sqrt(3.0F), std::sqrt(2.0F), std::sqrt(6.0F), 1, 1};
 
-/// Fills in the likeliest class, and log-odds of the sum of those for cars against the others'.
-void TellClasses(const cv::Mat& scores, FreespaceBelief& belief) {
+/// Of an output of 1 x 9 x h x w.
+void ReadClasses(const cv::Mat& scores, FreespaceBelief& belief) {
   const int rows = scores.size[2], columns = scores.size[3];
   belief.log_odds.create(rows, columns, CV_32F);
   belief.classes.create(rows, columns, CV_8U);
-  std::array<const float*, kNumClasses> of_class;
   for (int row = 0; row < rows; ++row) {
+    ClassScores of_row;
     for (int k = 0; k < kNumClasses; ++k)
-      of_class[static_cast<size_t>(k)] = scores.ptr<float>(0, k) + row * columns;
-    float* log_odds = belief.log_odds.ptr<float>(row);
-    auto* best = belief.classes.ptr<std::uint8_t>(row);
-    for (int column = 0; column < columns; ++column) {
-      std::array<float, kNumClasses> score;
-      for (size_t k = 0; k < score.size(); ++k) score[k] = of_class[k][column];
-      const auto highest = std::max_element(score.begin(), score.end());
-      best[column] = static_cast<std::uint8_t>(highest - score.begin());
-      std::array<float, 2> sums{};  // of the others, of those for cars
-      for (size_t k = 0; k < score.size(); ++k)
-        sums[IsForCars(static_cast<SurfaceClass>(k))] +=
-            std::exp(score[k] - *highest) / kOverrated[k];
-      log_odds[column] = std::log(std::max(sums[1], FLT_MIN) / std::max(sums[0], FLT_MIN));
-    }
+      of_row[static_cast<size_t>(k)] = scores.ptr<float>(0, k) + row * columns;
+    TellClasses(of_row, kOverrated,
+                {belief.classes.ptr<std::uint8_t>(row), static_cast<size_t>(columns)},
+                belief.log_odds.ptr<float>(row));
   }
 }
 
@@ -69,7 +59,7 @@ FreespaceBelief BeliefOf(const cv::Mat& output) {
   };
   FreespaceBelief belief;
   if (channels == kNumClasses)
-    TellClasses(output, belief);
+    ReadClasses(output, belief);
   else
     belief.log_odds = channels == 1 ? channel(0).clone() : cv::Mat(channel(1) - channel(0));
   return belief;

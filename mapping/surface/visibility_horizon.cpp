@@ -31,8 +31,8 @@ bool Stands(const GroundSample& sample) {
 }  // namespace
 
 FreeRays::FreeRays(const Rigid3& site_from_camera, const Rigid3& site_from_ground, double max_range,
-                   const CellFinder& cells)
-    : eye_(site_from_camera.translation.head<2>()), max_range_(max_range), cells_(&cells) {
+                   const FreeClearance& clearance)
+    : eye_(site_from_camera.translation.head<2>()), max_range_(max_range), clearance_(&clearance) {
   const Eigen::Vector3d normal = site_from_ground.rotation * Eigen::Vector3d::UnitZ();
   slope_ = -normal.head<2>() / normal.z();
   height_ =
@@ -43,14 +43,20 @@ float FreeRays::RangeAlong(int direction) const {
   const double angle =
       (direction + 0.5) / kNumRayDirections * 2 * std::numbers::pi - std::numbers::pi;
   const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
+  const CellFinder& cells = clearance_->cells();
   double last_free = kNearest;
   const int num_steps = static_cast<int>(std::ceil((max_range_ - kNearest) / kStep));
   for (int step = 0; step < num_steps; ++step) {
-    const double range = kNearest + step * kStep;
+    double range = kNearest + step * kStep;
     const Eigen::Vector2d place = eye_ + range * along;
     const SurfaceCell* cell =
-        cells_->Find({place.x(), place.y(), height_ + range * slope_.dot(along)});
-    if (cell != nullptr && cell->free_belief > 0.5F) last_free = range;
+        cells.Find({place.x(), place.y(), height_ + range * slope_.dot(along)});
+    if (cell != nullptr && cell->free_belief > 0.5F) {
+      // Whatever the ray meets within the clearance is free, too.
+      const int clear = static_cast<int>(clearance_->Around(place, *cell) / kStep - 1e-6);
+      step += std::clamp(clear, 0, num_steps - 1 - step);
+      range = last_free = kNearest + step * kStep;
+    }
     if (range - last_free >= kMinObstacle) return static_cast<float>(last_free);
   }
   return static_cast<float>(max_range_);

@@ -5,7 +5,7 @@
 
 #include "core/ground_patch.h"
 #include "core/rigid3.h"
-#include "mapping/ground/cell_finder.h"
+#include "mapping/surface/free_clearance.h"
 
 namespace parkade {
 
@@ -15,9 +15,9 @@ class FreeRays {
  public:
   /// \param max_range  [m] horizontally, beyond which nothing is looked for and everything is
   /// hidden
-  /// \param cells  borrowed
+  /// \param clearance  borrowed
   FreeRays(const Rigid3& site_from_camera, const Rigid3& site_from_ground, double max_range,
-           const CellFinder& cells);
+           const FreeClearance& clearance);
 
   /// [m] in one of kNumRayDirections.
   float RangeAlong(int direction) const;
@@ -28,7 +28,7 @@ class FreeRays {
   Eigen::Vector2d eye_, slope_;
   double height_;  // [m] of the plane below the eye
   double max_range_;
-  const CellFinder* cells_;
+  const FreeClearance* clearance_;
 };
 
 /// How far a camera sees the ground before something stands on it, by direction: what is behind

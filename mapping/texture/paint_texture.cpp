@@ -271,9 +271,10 @@ GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface,
   }
   std::vector<ChartSquare> squares = CutIntoSquares(mesh, options.chart_size);
   const CellFinder cells(surface);
+  const FreeClearance clearance(cells);
   const auto free_rays = [&](std::size_t i) {
     return FreeRays(images[i].site_from_camera, images[i].site_from_ground, options.max_range,
-                    cells);
+                    clearance);
   };
   const ObstacleChecks obstacles{
       .may_show = [&](std::size_t i,

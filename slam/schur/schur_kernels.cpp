@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "slam/tracking/vectorized.h"
+#include "core/math/vectorized.h"
 
 namespace parkade {
 

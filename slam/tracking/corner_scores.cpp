@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "slam/tracking/vectorized.h"
+#include "core/math/vectorized.h"
 
 namespace parkade {
 

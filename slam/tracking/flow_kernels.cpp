@@ -1,6 +1,6 @@
 #include "slam/tracking/flow_kernels.h"
 
-#include "slam/tracking/vectorized.h"
+#include "core/math/vectorized.h"
 
 // What one loop writes the next one reads elsewhere in its vectors: processors wait for such values
 // unless they were written a while ago. So each loop runs over all rows.

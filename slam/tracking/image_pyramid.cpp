@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "slam/tracking/vectorized.h"
+#include "core/math/vectorized.h"
 
 namespace parkade {
 namespace {

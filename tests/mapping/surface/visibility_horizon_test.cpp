@@ -30,7 +30,8 @@ VisibilityHorizon LookFrom(const Eigen::Vector2d& place, const SurfaceMap& surfa
   const Rigid3 site_from_ground{uphill, {place.x() - 1, place.y(), 0.1 * (place.x() - 1)}};
   const Rigid3 site_from_camera{Eigen::Quaterniond::Identity(),
                                 {place.x(), place.y(), 0.1 * place.x() + 1}};
-  return VisibilityHorizon(FreeRays(site_from_camera, site_from_ground, 8, CellFinder(surface)));
+  const CellFinder cells(surface);
+  return VisibilityHorizon(FreeRays(site_from_camera, site_from_ground, 8, FreeClearance(cells)));
 }
 
 TEST(VisibilityHorizon, WhatStandsOnItHidesTheGroundBehind) {

@@ -69,7 +69,8 @@ TEST(ChooseImages, ManyDrivesNeedHardlyMorePhotosThanOne) {
 TEST(ChooseImages, WhereSomethingStandsInTheWayAnEarlierDriveIsAsked) {
   std::vector<GroundImage> images = Drives(2);
   const SurfaceMap nothing{0.05, {}};
-  const CellFinder no_ground(nothing);
+  const CellFinder no_cells(nothing);
+  const FreeClearance no_ground(no_cells);
   std::vector<Eigen::Vector3d> ground = Ground(0, 20);
   std::erase_if(ground, [](const auto& place) { return std::abs(place.y()) < 1.2; });  // all see it
   int num_prepared = 0;
