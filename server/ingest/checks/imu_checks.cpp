@@ -13,10 +13,7 @@ constexpr double kGravity = 9.80665;  // [m/s^2]
 constexpr double kBin = 0.1;          // [s]
 constexpr std::size_t kMinBins = 10;  // fewer tell nothing
 constexpr double kDegree = std::numbers::pi / 180;
-// By how much of gravity accelerations may be off before a user should look after the sensor. Of a
-// car less is corrected, too: the estimator expects a bias of 1 %, and is led astray by 4 %.
-constexpr double kDoubtfulGain = 0.04, kDoubtfulGainInFlight = 0.15, kNotedGain = 0.02;
-constexpr std::size_t kMinBinsOfNote = 100;  // in less time a car may be pushed by as much
+constexpr double kUsualGain = 0.04, kUsualGainInFlight = 0.15;  // shares that accelerations are off
 
 bool IsWithin(double value, double target, double share) {
   return std::abs(value / target - 1) <= share;
@@ -174,9 +171,7 @@ std::optional<Finding> ImuChecks::CheckAccelerations() const {
   // What a car is pushed by cancels out on the way; what flies pulls g's.
   const double gain = (rig_.vehicle ? mean.norm() : median) / kGravity;
   const double off = std::abs(gain - 1);
-  const bool is_doubtful = off > (rig_.vehicle ? kDoubtfulGain : kDoubtfulGainInFlight);
-  const bool is_noted = rig_.vehicle && off > kNotedGain && bins_.size() >= kMinBinsOfNote;
-  if (!is_doubtful && !is_noted) return std::nullopt;
+  if (off <= (rig_.vehicle ? kUsualGain : kUsualGainInFlight)) return std::nullopt;
   Finding finding = WarningOf(
       kImuGain,
       FormatText("reads accelerations %.1f %% too %s, as it seems: %.3g m/s2 where "
@@ -184,7 +179,6 @@ std::optional<Finding> ImuChecks::CheckAccelerations() const {
                  100 * off, gain > 1 ? "large" : "small", gain * kGravity),
       FormatText("set accelerometer_scale: %.4g in imu0.yaml", rig_.imu.accelerometer_scale / gain),
       evidence);
-  if (!is_doubtful) finding.severity = Severity::kNote;
   if (rig_.vehicle) {
     finding.sentence += FormatText("; they are used times %.4g", 1 / gain);
     finding.evidence[kGainCorrection] = 1 / gain;

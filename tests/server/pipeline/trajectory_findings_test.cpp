@@ -161,6 +161,26 @@ TEST(TrajectoryFindings, AnAccelerometerThatIsFarOffIsSaidWhereNoWheelsTellTheSc
   EXPECT_TRUE(TrajectoryFindings(report, RigOf(report), {}, {}).empty());
 }
 
+TEST(TrajectoryFindings, AScaleOfAccelerationsIsSaidWhereGravityAndWheelsAgreeOnIt) {
+  OdometryReport report;
+  report.has_wheels = true;
+  const auto findings_of = [&](double bias, double wheel_scale) {
+    report.accelerometer_bias = {0.2, 0.1, bias};
+    report.wheel_scale = wheel_scale;
+    return TrajectoryFindings(report, RigOf(report), {}, {});
+  };
+  const std::vector<Finding> findings = findings_of(-0.39, 0.95);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].sentence,
+            "the IMU reads gravity 4.0 % too small, and the path is 5.0 % shorter than wheels say: "
+            "the scale of accelerations is off, as it seems, and the map's with it");
+  EXPECT_EQ(findings[0].advice, "set accelerometer_scale: 1.047 in imu0.yaml");
+  EXPECT_EQ(findings_of(0.3, 1.03).size(), 1u);
+  EXPECT_TRUE(findings_of(-0.39, 1.0).empty()) << "its zero is off, which is estimated";
+  EXPECT_TRUE(findings_of(-0.05, 0.95).empty()) << "wheels of another size";
+  EXPECT_TRUE(findings_of(0.39, 0.95).empty()) << "nothing in common";
+}
+
 TEST(TrajectoryFindings, TurnsThatCamerasDoNotSeeAreSaid) {
   const auto findings_of = [](double gain, double delay) {
     return TrajectoryFindings({}, {},
