@@ -11,8 +11,8 @@
 
 namespace parkade {
 
-/// BGR at a place of a CV_8UC1 or CV_8UC3 image, bilinear; gray three times of CV_8UC1. Places off
-/// the image take its border.
+/// BGR at a place in a CV_8UC1 or CV_8UC3 image of two columns and rows or more, bilinear; gray
+/// three times of CV_8UC1.
 inline std::array<float, 3> ColorAt(const cv::Mat& image, float column, float row) {
   const auto channels = static_cast<std::size_t>(image.channels());
   const int x = std::clamp(static_cast<int>(column), 0, image.cols - 2);

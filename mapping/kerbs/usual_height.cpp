@@ -15,6 +15,7 @@ constexpr double kNearby = 60;    // [m]
 constexpr double kMinLength = 5;  // [m] of kerbs to lean on; more of one kerb knows no more
 constexpr double kAlike = 0.015;  // [m] sigma by which kerbs differ that stand beside each other
 constexpr double kWithinSigma = 0.683;  // of a normal distribution
+constexpr std::size_t kMinVotes = 5;    // from which on those that contradict are outvoted
 
 struct Height {
   double mean = 0, sigma = 0;  ///< [m]
@@ -32,8 +33,19 @@ double WeightedQuantile(std::vector<std::pair<double, double>> values, double sh
   return values.back().first;
 }
 
-/// How high the other kerbs near one are: each counts by what it knows of that, and bad ones are
-/// outvoted.
+/// By how much votes are off a height [m]: of many those that agree tell, of few all.
+double SpreadOf(std::vector<std::pair<double, double>> votes, double height) {
+  double square = 0, total = 0;
+  for (auto& [value, weight] : votes) {
+    value = std::abs(value - height);
+    square += weight * value * value;
+    total += weight;
+  }
+  return votes.size() < kMinVotes ? std::sqrt(square / total)
+                                  : WeightedQuantile(std::move(votes), kWithinSigma);
+}
+
+/// How high the other kerbs near one are: each counts by what it knows of that.
 std::optional<Height> UsualBeside(const Kerb& kerb, const std::vector<Kerb>& kerbs) {
   std::vector<std::pair<double, double>> votes;
   double length = 0, information = 0;
@@ -47,8 +59,7 @@ std::optional<Height> UsualBeside(const Kerb& kerb, const std::vector<Kerb>& ker
   }
   if (length < kMinLength) return {};
   const double median = WeightedQuantile(votes, 0.5);
-  for (auto& [height, weight] : votes) height = std::abs(height - median);
-  const double spread = std::max(kAlike, WeightedQuantile(votes, kWithinSigma));
+  const double spread = std::max(kAlike, SpreadOf(votes, median));
   return Height{median, std::sqrt(spread * spread + 1 / information)};
 }
 
@@ -69,8 +80,13 @@ void LeanOnNeighbors(std::vector<Kerb>& kerbs) {
                  usually = 1 / (usual[i]->sigma * usual[i]->sigma);
     const double seen_sum = seen > 0 ? all * kerb.height - kAnywhere * KerbStep::kUsual : 0;
     const auto [low, high] = std::minmax(kerb.height, usual[i]->mean);
+    // Where both contradict each other, neither is as sure as it says (R. Birge, "The calculation
+    // of errors by the method of least squares", Phys. Rev. 40, 1932).
+    const double contradiction =
+        seen > 0 ? std::abs(seen_sum / seen - usual[i]->mean) / std::sqrt(1 / seen + 1 / usually)
+                 : 0;
     kerb.height = std::clamp((seen_sum + usually * usual[i]->mean) / (seen + usually), low, high);
-    kerb.height_sigma = 1 / std::sqrt(seen + usually);
+    kerb.height_sigma = std::max(1.0, contradiction) / std::sqrt(seen + usually);
   }
 }
 

@@ -10,15 +10,17 @@ namespace {
 
 constexpr std::size_t kPiece = 64;  // pixels at once
 constexpr float kLog2 = 0.693147181F;
-constexpr auto kLowest = std::bit_cast<std::uint32_t>(-55.0F);  // of scores below the best
+constexpr float kLog2High = 0.693145752F, kLog2Low = 1.42860677e-6F;  // parts of it: few bits, rest
+constexpr std::uint32_t kExponent = 0x7f800000;                       // all set: infinite or NaN
+constexpr auto kLowest = std::bit_cast<std::uint32_t>(-55.0F);        // of scores below the best
 
 #define PARKADE_IN_LOOP __attribute__((always_inline)) inline
 
-/// exp(x) for x in -55..0, to 2e-7 of it: 2^i by the exponent's bits, the rest by its series.
+/// exp(x) for x in -55..0, to 3e-7 of it: 2^i by the exponent's bits, the rest by its series.
 PARKADE_IN_LOOP float Exp(float x) {
-  const float scaled = x * (1 / kLog2);
-  const auto whole = static_cast<std::int32_t>(scaled - 0.5F);
-  const float rest = kLog2 * (scaled - static_cast<float>(whole));
+  const auto whole = static_cast<std::int32_t>(x * (1 / kLog2) - 0.5F);
+  const auto multiple = static_cast<float>(whole);
+  const float rest = x - multiple * kLog2High - multiple * kLog2Low;
   const float power =
       1 +
       rest * (1 + rest * (1 / 2.0F +
@@ -27,7 +29,7 @@ PARKADE_IN_LOOP float Exp(float x) {
   return std::bit_cast<float>(std::bit_cast<std::int32_t>(power) + whole * (1 << 23));
 }
 
-/// log(x) of a normal number above 0, to 1e-7 of it or of 1: log(m) + e log(2), with m about 1,
+/// log(x) of a normal number above 0, to 2e-7 of it or of 1: log(m) + e log(2), with m about 1,
 /// by the series of atanh.
 PARKADE_IN_LOOP float Log(float x) {
   constexpr std::int32_t kRootOfHalf = 0x3f3504f3;
@@ -40,15 +42,21 @@ PARKADE_IN_LOOP float Log(float x) {
              (1 + square * (1 / 3.0F + square * (1 / 5.0F + square * (1 / 7.0F + square / 9.0F))));
 }
 
+PARKADE_IN_LOOP std::uint32_t IsFinite(float x) {
+  return (std::bit_cast<std::uint32_t>(x) & kExponent) == kExponent ? 0 : ~std::uint32_t{0};
+}
+
 struct Piece {
   std::array<float, kPiece> highest{}, for_cars{}, others{};
   std::array<std::int32_t, kPiece> best{};
+  std::array<std::uint32_t, kPiece> is_finite{};  ///< all bits or none: whether all scores are
 };
 
 PARKADE_VECTORIZED_FLOATS void Begin(const float* __restrict scores, Piece& piece) {
   for (std::size_t i = 0; i < kPiece; ++i) {
     piece.highest[i] = scores[i];
     piece.best[i] = 0;
+    piece.is_finite[i] = IsFinite(scores[i]);
     piece.for_cars[i] = piece.others[i] = 0;
   }
 }
@@ -59,23 +67,28 @@ PARKADE_VECTORIZED_FLOATS void FindBest(const float* __restrict scores, std::int
     const bool is_higher = scores[i] > piece.highest[i];
     piece.highest[i] = is_higher ? scores[i] : piece.highest[i];
     piece.best[i] = is_higher ? number : piece.best[i];
+    piece.is_finite[i] &= IsFinite(scores[i]);
   }
 }
 
 PARKADE_VECTORIZED_FLOATS void AddLikelihoods(const float* __restrict scores,
-                                              const float* __restrict highest, float weight,
-                                              float* __restrict sums) {
+                                              const float* __restrict highest,
+                                              const std::uint32_t* __restrict is_finite,
+                                              float weight, float* __restrict sums) {
   for (std::size_t i = 0; i < kPiece; ++i) {
     // As integers numbers below zero rise with their size; of floats there would be no vectors.
-    const auto below = std::bit_cast<std::uint32_t>(scores[i] - highest[i]);
+    const std::uint32_t below = std::bit_cast<std::uint32_t>(scores[i] - highest[i]) & is_finite[i];
     sums[i] += weight * Exp(std::bit_cast<float>(below < kLowest ? below : kLowest));
   }
 }
 
 PARKADE_VECTORIZED_FLOATS void TakeLogOdds(const float* __restrict for_cars,
                                            const float* __restrict others,
+                                           const std::uint32_t* __restrict is_finite,
                                            float* __restrict log_odds) {
-  for (std::size_t i = 0; i < kPiece; ++i) log_odds[i] = Log(for_cars[i] / others[i]);
+  for (std::size_t i = 0; i < kPiece; ++i)
+    log_odds[i] = std::bit_cast<float>(std::bit_cast<std::uint32_t>(Log(for_cars[i] / others[i])) &
+                                       is_finite[i]);
 }
 
 /// Of whole pieces.
@@ -87,9 +100,9 @@ void TellPiece(const ClassScores& scores, const std::array<float, kNumSurfaceCla
     FindBest(scores[k], static_cast<std::int32_t>(k), piece);
   for (std::size_t k = 0; k < scores.size(); ++k)
     AddLikelihoods(
-        scores[k], piece.highest.data(), 1 / overrated[k],
+        scores[k], piece.highest.data(), piece.is_finite.data(), 1 / overrated[k],
         (IsForCars(static_cast<SurfaceClass>(k)) ? piece.for_cars : piece.others).data());
-  TakeLogOdds(piece.for_cars.data(), piece.others.data(), log_odds);
+  TakeLogOdds(piece.for_cars.data(), piece.others.data(), piece.is_finite.data(), log_odds);
   for (std::size_t i = 0; i < kPiece; ++i) classes[i] = static_cast<std::uint8_t>(piece.best[i]);
 }
 

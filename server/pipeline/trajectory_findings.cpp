@@ -4,13 +4,14 @@
 #include <cmath>
 #include <optional>
 
+#include "server/pipeline/force_findings.h"
+
 namespace parkade {
 namespace {
 
 constexpr double kSure = 5;  // sigmas
 constexpr double kSureOfTurns = 3.5, kSureOfPlaces = 3.5;
 constexpr double kDegree = 0.017453292519943295;
-constexpr double kGravity = 9.81;  // [m/s^2]
 
 /// Two cameras or more that are off against the IMU by the same time say that the IMU is.
 std::optional<Finding> ImuDelay(const std::vector<CameraCalibration>& cameras) {
@@ -142,43 +143,6 @@ void AddWrongMounts(const OdometryReport& odometry, const Rig& rig,
             FormatText(" looks %.0f degrees beside where the rig says, as it seems", angle),
         "calibrate the rig again; images may be cropped, too", {{"angle_deg", angle}}));
   }
-}
-
-/// An accelerometer that is so far off that without wheels nobody can tell whether it is by its
-/// zero, which is used, or by its scale, which then is also that of the path.
-std::optional<Finding> WrongForces(const OdometryReport& odometry) {
-  constexpr double kLargest = 0.3;  // [m/s^2]
-  const double bias = odometry.accelerometer_bias.norm();
-  if (odometry.has_wheels || bias < kLargest) return std::nullopt;
-  return WarningOf("accelerometer_off",
-                   FormatText("the IMU's accelerations are off by %.2g m/s2: if it is a matter of "
-                              "their scale, the path's is off by %.1f %%",
-                              bias, 100 * bias / kGravity),
-                   "calibrate the accelerometer, or record wheels", {{"bias_m_s2", bias}});
-}
-
-/// An accelerometer that reads gravity too large by about the share by which wheels say that the
-/// path is too long: a zero that is off would leave the path as it is, wheels of another size would
-/// leave gravity.
-std::optional<Finding> WrongForceScale(const OdometryReport& odometry, const Rig& rig) {
-  constexpr double kSmallest = 0.02, kLargestDifference = 0.02;  // shares
-  if (!odometry.has_wheels) return std::nullopt;
-  const double of_gravity =
-                   (rig.body_from_imu.rotation * odometry.accelerometer_bias).z() / kGravity,
-               of_path = odometry.wheel_scale - 1;
-  if (std::min(std::abs(of_gravity), std::abs(of_path)) < kSmallest ||
-      std::abs(of_gravity - of_path) > kLargestDifference)
-    return std::nullopt;
-  const double gain = 1 + (of_gravity + of_path) / 2;
-  return WarningOf(
-      "accelerometer_scale_off",
-      FormatText(
-          "the IMU reads gravity %.1f %% too %s, and the path is %.1f %% %s than wheels say: "
-          "the scale of accelerations is off, as it seems, and the map's with it",
-          100 * std::abs(of_gravity), of_gravity > 0 ? "large" : "small", 100 * std::abs(of_path),
-          of_path > 0 ? "longer" : "shorter"),
-      FormatText("set accelerometer_scale: %.4g in imu0.yaml", rig.imu.accelerometer_scale / gain),
-      {{"of_gravity", of_gravity}, {"of_path", of_path}});
 }
 
 /// Turns that a gyroscope reads and cameras do not see.

@@ -45,12 +45,30 @@ TEST(LeanOnNeighbors, WhatWasSeenOfItCounts) {
 TEST(LeanOnNeighbors, ALongOneThatIsWrongOutvotesNoneThatKnowBetter) {
   std::vector<Kerb> kerbs = {KerbAt(0, 0.133, 0.0194), KerbAt(15, 0.05, 0.0096),
                              KerbAt(30, 0.0485, 0.0145), KerbAt(45, 0.0585, 0.035)};
-  kerbs[0].points.emplace_back(13, 0, 0);
+  kerbs[0].points.emplace_back(50, 0, 0);
   LeanOnNeighbors(kerbs);
   EXPECT_LT(kerbs[0].height, 0.1);
+  EXPECT_LT(std::abs(kerbs[0].height - 0.05), 1.5 * kerbs[0].height_sigma);
   EXPECT_EQ(kerbs[1].height, 0.05) << "known better than kerbs differ";
   EXPECT_EQ(kerbs[2].height, 0.0485);
   EXPECT_NEAR(kerbs[3].height, 0.05, 0.01);
+}
+
+TEST(LeanOnNeighbors, SureOnesCountMoreThanVagueOnes) {
+  std::vector<Kerb> kerbs = {KerbAt(0, 0.15, 0.0199), KerbAt(10, 0.15, 0.0199),
+                             KerbAt(20, 0.05, 0.001), KerbAt(30, 0.05, 0.001),
+                             KerbAt(40, 0.12, 0.04)};
+  LeanOnNeighbors(kerbs);
+  EXPECT_NEAR(kerbs[4].height, 0.05, 0.001);
+  EXPECT_GT(kerbs[4].height_sigma, 0.05) << "the others may be right";
+}
+
+TEST(LeanOnNeighbors, ALoweredKerbIsNotSureToBeAsHighAsTheOthers) {
+  std::vector<Kerb> kerbs = {KerbAt(0, 0.12, 0.01), KerbAt(15, 0.12, 0.01), KerbAt(30, 0.12, 0.01),
+                             KerbAt(45, 0.03, 0.018)};
+  LeanOnNeighbors(kerbs);
+  EXPECT_LT(kerbs[3].height, 0.08);
+  EXPECT_LT(kerbs[3].height - 0.03, 1.2 * kerbs[3].height_sigma);
 }
 
 TEST(LeanOnNeighbors, ItStaysBetweenWhatWasSeenAndWhatIsUsualNearby) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -45,9 +46,28 @@ TEST(TellClasses, SaysWhatASoftmaxSays) {
         (IsForCars(static_cast<SurfaceClass>(k)) ? for_cars : others) +=
             std::exp(std::max(-55.0, of_pixel[k] - *best)) / double{kOverrated[k]};
       EXPECT_EQ(classes[i], best - of_pixel.begin()) << i;
-      EXPECT_NEAR(log_odds[i], std::log(for_cars / others), 1e-5) << i << " of " << count;
+      const double expected = std::log(for_cars / others);
+      EXPECT_NEAR(log_odds[i], expected, 2e-6 * std::max(1.0, std::abs(expected)))
+          << i << " of " << count;
     }
   }
+}
+
+TEST(TellClasses, APixelWithAScoreThatIsNoNumberSaysNothing) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
+                  kInfinity = std::numeric_limits<float>::infinity();
+  std::vector<std::vector<float>> scores(kNumSurfaceClasses, std::vector<float>(5, 1));
+  for (std::vector<float>& of_class : scores) of_class[4] = 2;
+  scores[0][4] = 9;
+  scores[7][0] = kNan, scores[1][1] = -kNan, scores[0][2] = kInfinity, scores[8][3] = -kInfinity;
+  ClassScores of_class{};
+  for (std::size_t k = 0; k < scores.size(); ++k) of_class[k] = scores[k].data();
+  std::vector<std::uint8_t> classes(5);
+  std::vector<float> log_odds(5);
+  TellClasses(of_class, kOverrated, classes, log_odds.data());
+
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(log_odds[i], 0) << i;
+  EXPECT_GT(log_odds[4], 4);
 }
 
 }  // namespace

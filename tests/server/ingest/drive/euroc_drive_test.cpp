@@ -238,7 +238,7 @@ TEST(EurocDrive, AccelerationsOfACarThatAreSomePercentOffAreCorrected) {
 
   ASSERT_EQ(log->health().findings.size(), 1u);
   EXPECT_EQ(ToText(log->health().findings[0]),
-            "the IMU imu0 reads accelerations 1.08 times too large, as it seems: 10.6 m/s2 where "
+            "the IMU imu0 reads accelerations 8.0 % too large, as it seems: 10.6 m/s2 where "
             "gravity alone makes 9.8; they are used times 0.9259: set accelerometer_scale: 0.9259 "
             "in imu0.yaml");
   fs::remove_all(mav0 / "odom0");  // what flies may pull so much
