@@ -29,7 +29,7 @@ constexpr int kNumClasses = static_cast<int>(kNumSurfaceClasses);
 const std::array<float, kNumSurfaceClasses> kOverrated = {
     1, std::sqrt(2.0F), 1, 1, std::sqrt(3.0F), std::sqrt(2.0F), std::sqrt(6.0F), 1, 1};
 
-/// Of an output of 1 x 9 x h x w.
+/// What an output of 1 x 9 x h x w says.
 void ReadClasses(const cv::Mat& scores, FreespaceBelief& belief) {
   const int rows = scores.size[2], columns = scores.size[3];
   belief.log_odds.create(rows, columns, CV_32F);

@@ -91,7 +91,7 @@ PARKADE_VECTORIZED_FLOATS void TakeLogOdds(const float* __restrict for_cars,
                                        is_finite[i]);
 }
 
-/// Of whole pieces.
+/// Fills in one piece.
 void TellPiece(const ClassScores& scores, const std::array<float, kNumSurfaceClasses>& overrated,
                std::uint8_t* classes, float* log_odds) {
   Piece piece;

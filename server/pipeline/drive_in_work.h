@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "server/findings/trajectory_findings.h"
 #include "server/ingest/drive/recorded_drive.h"
 #include "server/pipeline/built_map.h"
 #include "server/pipeline/keyed.h"
-#include "server/pipeline/trajectory_findings.h"
 #include "slam/odometry/calibrated_log.h"
 #include "slam/odometry/odometry_result.h"
 #include "slam/places/rig_keyframe.h"

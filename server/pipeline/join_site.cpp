@@ -5,8 +5,8 @@
 
 #include "core/files/binary_archive.h"
 #include "core/options_json.h"
+#include "server/findings/trajectory_findings.h"
 #include "server/pipeline/drive_stages.h"
-#include "server/pipeline/trajectory_findings.h"
 #include "slam/sessions/stage_results.h"
 
 namespace parkade {

@@ -109,6 +109,7 @@ const std::vector<std::string> kRooms = {
     "server/http/service/",
     "server/map_folder/",
     "server/compare/",
+    "server/findings/",
     "server/pipeline/",
     "server/commands/",
     "server/main.cpp",

@@ -1,10 +1,10 @@
-#include "server/pipeline/trajectory_findings.h"
+#include "server/findings/trajectory_findings.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "server/pipeline/force_findings.h"
+#include "server/findings/force_findings.h"
 
 namespace parkade {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/pipeline/trajectory_findings.h"
+#include "server/findings/trajectory_findings.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/pipeline/force_findings.h"
+#include "server/findings/force_findings.h"
 
 #include <algorithm>
 #include <cmath>
