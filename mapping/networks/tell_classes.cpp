@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "core/math/vectorized.h"
+#include "mapping/networks/vectors.h"
 
 namespace parkade {
 namespace {
@@ -14,10 +16,8 @@ constexpr float kLog2High = 0.693145752F, kLog2Low = 1.42860677e-6F;  // parts o
 constexpr std::uint32_t kExponent = 0x7f800000;                       // all set: infinite or NaN
 constexpr auto kLowest = std::bit_cast<std::uint32_t>(-55.0F);        // of scores below the best
 
-#define PARKADE_IN_LOOP __attribute__((always_inline)) inline
-
 /// exp(x) for x in -55..0, to 3e-7 of it: 2^i by the exponent's bits, the rest by its series.
-PARKADE_IN_LOOP float Exp(float x) {
+PARKADE_INLINE float Exp(float x) {
   const auto whole = static_cast<std::int32_t>(x * (1 / kLog2) - 0.5F);
   const auto multiple = static_cast<float>(whole);
   const float rest = x - multiple * kLog2High - multiple * kLog2Low;
@@ -31,7 +31,7 @@ PARKADE_IN_LOOP float Exp(float x) {
 
 /// log(x) of a normal number above 0, to 2e-7 of it or of 1: log(m) + e log(2), with m about 1,
 /// by the series of atanh.
-PARKADE_IN_LOOP float Log(float x) {
+PARKADE_INLINE float Log(float x) {
   constexpr std::int32_t kRootOfHalf = 0x3f3504f3;
   const auto bits = std::bit_cast<std::int32_t>(x);
   const std::int32_t exponent = (bits - kRootOfHalf) >> 23;
@@ -42,24 +42,20 @@ PARKADE_IN_LOOP float Log(float x) {
              (1 + square * (1 / 3.0F + square * (1 / 5.0F + square * (1 / 7.0F + square / 9.0F))));
 }
 
-PARKADE_IN_LOOP std::uint32_t IsFinite(float x) {
+PARKADE_INLINE std::uint32_t IsFinite(float x) {
   return (std::bit_cast<std::uint32_t>(x) & kExponent) == kExponent ? 0 : ~std::uint32_t{0};
 }
 
 struct Piece {
-  std::array<float, kPiece> highest{}, for_cars{}, others{};
+  std::array<float, kPiece> highest, for_cars{}, others{};
   std::array<std::int32_t, kPiece> best{};
-  std::array<std::uint32_t, kPiece> is_finite{};  ///< all bits or none: whether all scores are
-};
+  std::array<std::uint32_t, kPiece> is_finite;  ///< all bits or none: whether all scores are
 
-PARKADE_VECTORIZED_FLOATS void Begin(const float* __restrict scores, Piece& piece) {
-  for (std::size_t i = 0; i < kPiece; ++i) {
-    piece.highest[i] = scores[i];
-    piece.best[i] = 0;
-    piece.is_finite[i] = IsFinite(scores[i]);
-    piece.for_cars[i] = piece.others[i] = 0;
+  Piece() {
+    highest.fill(-std::numeric_limits<float>::infinity());
+    is_finite.fill(~std::uint32_t{0});
   }
-}
+};
 
 PARKADE_VECTORIZED_FLOATS void FindBest(const float* __restrict scores, std::int32_t number,
                                         Piece& piece) {
@@ -95,8 +91,7 @@ PARKADE_VECTORIZED_FLOATS void TakeLogOdds(const float* __restrict for_cars,
 void TellPiece(const ClassScores& scores, const std::array<float, kNumSurfaceClasses>& overrated,
                std::uint8_t* classes, float* log_odds) {
   Piece piece;
-  Begin(scores[0], piece);
-  for (std::size_t k = 1; k < scores.size(); ++k)
+  for (std::size_t k = 0; k < scores.size(); ++k)
     FindBest(scores[k], static_cast<std::int32_t>(k), piece);
   for (std::size_t k = 0; k < scores.size(); ++k)
     AddLikelihoods(

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slam/factors/motion_state.h"
+
 namespace parkade {
 namespace {
 
-constexpr double kGravity = 9.81;  // [m/s^2]
+const double kGravity = -kGravityInOdom.z();  // [m/s^2]
 
 }  // namespace
 
