@@ -138,7 +138,7 @@ std::map<std::int64_t, SqlitePages::Topic> SqlitePages::FindTopics() {
       const auto name = TakeText(values, columns->types[1]);
       const auto type = TakeText(values, columns->types[2]);
       const auto encoding = TakeText(values, columns->types[3]);
-      if (encoding && name->starts_with('/'))
+      if (name && type && encoding && name->starts_with('/'))
         topics.try_emplace(cell->row_id, Topic{*name, *type, *encoding});
     }
   }

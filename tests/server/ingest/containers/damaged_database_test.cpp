@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "server/ingest/containers/open_message_source.h"
+#include "server/ingest/containers/sqlite_pages.h"
 #include "tests/server/ingest/containers/sample_log.h"
 
 namespace parkade {
@@ -75,6 +77,29 @@ TEST_P(DamagedDatabase, WithAFlippedBitLosesOnePageAtMost) {
 
     EXPECT_GE(log.found.size() + kMostPerPage, 710u) << "bit at " << place;
     EXPECT_LE(log.num_wrong, 1u) << "bit at " << place;
+  }
+}
+
+// Any of a row's lengths may be damaged: a text that no longer fits may be followed by one that
+// does.
+TEST_P(DamagedDatabase, WithAnyByteOfATopicsRowKeepsTheOtherTopics) {
+  std::vector<std::uint8_t> bytes(bytes_.begin(), bytes_.begin() + 12 * kPage);  // without messages
+  // A row is its header's size, a serial type per column (0: its number is the id), and the values.
+  const std::array<std::uint8_t, 5> types = {7, 0, 13 + 2 * 4, 13 + 2 * 19, 13 + 2 * 3};
+  const auto row = std::search(bytes.begin(), bytes.end(), types.begin(), types.end());
+  ASSERT_NE(row, bytes.end());
+  for (auto damaged = row - 2; damaged < row + 8; ++damaged) {
+    const std::uint8_t sound = *damaged;
+    for (int value = 0; value < 256; ++value) {
+      *damaged = static_cast<std::uint8_t>(value);
+      file_.Write(bytes);
+      const auto topics = SqlitePages(std::make_shared<const InputFile>(file_.path())).FindTopics();
+
+      const auto is_sound = [](const auto& topic) { return topic.second.encoding == "cdr"; };
+      EXPECT_GE(std::count_if(topics.begin(), topics.end(), is_sound), 3)
+          << "value " << value << " at byte " << damaged - row;
+    }
+    *damaged = sound;
   }
 }
 
