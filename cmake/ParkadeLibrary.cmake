@@ -17,8 +17,7 @@ target_compile_options(parkade_options INTERFACE
   --param=ggc-min-heapsize=600000 --param=ggc-min-expand=100)
 if(PARKADE_SANITIZE)
   # Under ASan Eigen takes to an allocator of its own, and what Debian's PCL has allocated could not be freed.
-  # The library's own assertions see an empty optional and an index out of range where memory is sound.
-  target_compile_definitions(parkade_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1 _GLIBCXX_ASSERTIONS)
+  target_compile_definitions(parkade_options INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
   target_compile_options(parkade_options INTERFACE
     -fsanitize=${PARKADE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(parkade_options INTERFACE -fsanitize=${PARKADE_SANITIZE})
