@@ -56,18 +56,20 @@ bool DrawTriangle(const std::array<Eigen::Vector3d, 3>& corners, double texel_si
   const auto row_of = [&](double y) { return (blank.chart.top - y) / texel_size - 0.5; };
   const auto [min_x, max_x] = std::minmax({a.x(), b.x(), c.x()});
   const auto [min_y, max_y] = std::minmax({a.y(), b.y(), c.y()});
+  // An edge through centers of texels may be rounded to either side, in each chart anew.
+  constexpr double kRounding = 1e-6;
   bool is_single = true;
-  for (int row = static_cast<int>(std::ceil(row_of(max_y)));
-       row <= static_cast<int>(std::floor(row_of(min_y))); ++row)
-    for (int column = static_cast<int>(std::ceil(column_of(min_x)));
-         column <= static_cast<int>(std::floor(column_of(max_x))); ++column) {
+  for (int row = static_cast<int>(std::ceil(row_of(max_y) - kRounding));
+       row <= static_cast<int>(std::floor(row_of(min_y) + kRounding)); ++row)
+    for (int column = static_cast<int>(std::ceil(column_of(min_x) - kRounding));
+         column <= static_cast<int>(std::floor(column_of(max_x) + kRounding)); ++column) {
       const Eigen::Vector2d p(blank.chart.left + (column + 0.5) * texel_size,
                               blank.chart.top - (row + 0.5) * texel_size);
       const auto cross = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
         return ((to - from).x() * (p.y() - from.y()) - (to - from).y() * (p.x() - from.x())) / area;
       };
       const double of_c = cross(a, b), of_a = cross(b, c), of_b = cross(c, a);
-      constexpr double kOnEdge = -1e-9;
+      constexpr double kOnEdge = -kRounding;
       if (of_a < kOnEdge || of_b < kOnEdge || of_c < kOnEdge) continue;
       const auto height = static_cast<float>(of_a * a.z() + of_b * b.z() + of_c * c.z());
       float& texel = blank.height.at<float>(row, column);

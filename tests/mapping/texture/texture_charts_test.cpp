@@ -77,6 +77,32 @@ TEST(TextureCharts, AreOnePerSquareWhereTheGroundIsSingle) {
   }
 }
 
+TEST(TextureCharts, LeaveNoTexelOutBetweenThem) {
+  constexpr double kTexel = 0.02;
+  constexpr int kWidth = 800, kHeight = 6;  // [texels]
+  TriangleMesh mesh;
+  mesh.origin = {4, 9, 0};
+  // Every edge between two rectangles goes through centers of texels.
+  for (int i = 0; i < 32; ++i) {
+    const double left = -20.25 + 0.5 * i;
+    AddRectangle(mesh, left, -9.05, left + 0.5, -8.95, 0);
+  }
+
+  cv::Mat1i times(kHeight, kWidth, 0);
+  for (const BlankChart& blank : CutIntoCharts(mesh, 0.5, kTexel))
+    for (int row = 0; row < blank.chart.mask.rows; ++row)
+      for (int column = 0; column < blank.chart.mask.cols; ++column)
+        if (blank.chart.mask.at<std::uint8_t>(row, column) != 0) {
+          const double x = blank.chart.left + kTexel * (column + 0.5) + 16.25,
+                       y = 0.05 - (blank.chart.top - kTexel * (row + 0.5));
+          const int to_east = static_cast<int>(std::lround(x / kTexel)),
+                    to_south = static_cast<int>(std::lround(y / kTexel));
+          if (to_east < kWidth && to_south >= 0 && to_south < kHeight) ++times(to_south, to_east);
+        }
+
+  EXPECT_EQ(cv::countNonZero(times == 0), 0);
+}
+
 TEST(TextureCharts, SeparateDecks) {
   TriangleMesh mesh;
   AddRectangle(mesh, 0, 0, 10, 10, 0);
