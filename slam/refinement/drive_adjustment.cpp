@@ -29,11 +29,11 @@ double DriveAdjustment::BearingWeight() const {
   return 1 / (options_.bearing_inflation * options_.bearing_inflation);
 }
 
-int DriveAdjustment::Solve(const AdjustedStretch& stretch, int max_iterations) {
+int DriveAdjustment::Solve(const AdjustedStretch& stretch, const SolveLimits& limits) {
   DriveGraph graph(drive_, stretch, BearingWeight());
   GraphSolverOptions options;
-  options.max_iterations = max_iterations;
-  options.function_tolerance = 1e-5;
+  options.max_iterations = limits.max_steps;
+  options.function_tolerance = limits.least_fall;
   options.trust_region = 1e6;  // the pose graph has brought it near
   const SolveSummary summary = graph.graph().Solve(options);
   drive_.PointImages();

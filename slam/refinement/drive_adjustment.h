@@ -17,6 +17,12 @@ namespace parkade {
 /// least-squares problem: the factor graph of FixedLagSmoother without window and marginalization,
 /// plus loops and GNSS. Landmarks are eliminated first (Schur), the rest is a band with an arrow.
 /// Results do not depend on the number of threads.
+/// When a solve ends.
+struct SolveLimits {
+  int max_steps = 10;
+  double least_fall = 1e-5;  ///< share of the cost: the step that changes it by less is the last
+};
+
 class DriveAdjustment {
  public:
   /// \param rig    what the drive's log says: calibration has its prior there
@@ -31,7 +37,7 @@ class DriveAdjustment {
 
   /// Moves the nodes of `stretch`; those outside stay. The first node of the drive keeps position
   /// and yaw. Returns the number of steps.
-  int Solve(const AdjustedStretch& stretch, int max_iterations);
+  int Solve(const AdjustedStretch& stretch, const SolveLimits& limits);
 
   /// The covariance of the poses of `nodes` around the solution, [rotation in imu, position in
   /// odom] each; position and yaw of the first node of the drive are certain. See

@@ -58,16 +58,28 @@ class NormalEquations {
     AddLandmark(observations);
   }
 
-  Eigen::SparseMatrix<double> Information() const {
-    std::vector<Eigen::Triplet<double>> triplets;
+  /// Once: what takes most memory is let go of.
+  Eigen::SparseMatrix<double> TakeInformation() {
+    std::vector<std::pair<int, int>> places;  // column, row
+    std::vector<int> heights(static_cast<size_t>(num_columns_));
     for (const auto& [key, block] : information_) {
-      const int row = static_cast<int>(key >> 32), column = static_cast<int>(key & 0xffffffff);
+      const auto& [column, row] =
+          places.emplace_back(static_cast<int>(key & 0xffffffff), static_cast<int>(key >> 32));
+      for (int j = 0; j < block.cols(); ++j)
+        heights[static_cast<size_t>(column + j)] +=
+            static_cast<int>(block.rows()) - (row == column ? j : 0);
+    }
+    std::sort(places.begin(), places.end());
+    Eigen::SparseMatrix<double> matrix(num_columns_, num_columns_);
+    matrix.reserve(heights);
+    for (const auto& [column, row] : places) {
+      const Eigen::MatrixXd& block = information_.at(KeyOf(row, column));
       for (int j = 0; j < block.cols(); ++j)
         for (int i = row == column ? j : 0; i < block.rows(); ++i)
-          triplets.emplace_back(row + i, column + j, block(i, j));
+          matrix.insert(row + i, column + j) = block(i, j);
     }
-    Eigen::SparseMatrix<double> matrix(num_columns_, num_columns_);
-    matrix.setFromTriplets(triplets.begin(), triplets.end());
+    matrix.makeCompressed();
+    information_.clear();
     return matrix;
   }
 
@@ -85,6 +97,10 @@ class NormalEquations {
   int num_columns() const { return num_columns_; }
 
  private:
+  static std::uint64_t KeyOf(int row, int column) {
+    return static_cast<std::uint64_t>(row) << 32 | static_cast<std::uint32_t>(column);
+  }
+
   LinearizableBlock BlockOf(const ceres::Problem& problem, ceres::ResidualBlockId id) const {
     LinearizableBlock block;
     block.cost = problem.GetCostFunctionForResidualBlock(id);
@@ -102,9 +118,7 @@ class NormalEquations {
   }
 
   void AddInformation(const Block& row, const Block& column, const Eigen::MatrixXd& block) {
-    const std::uint64_t key =
-        static_cast<std::uint64_t>(row.column) << 32 | static_cast<std::uint32_t>(column.column);
-    const auto [entry, is_new] = information_.try_emplace(key, block);
+    const auto [entry, is_new] = information_.try_emplace(KeyOf(row.column, column.column), block);
     if (!is_new) entry->second += block;
   }
 
@@ -204,17 +218,15 @@ class NormalEquations {
 std::optional<Eigen::MatrixXd> MarginalCovariance(
     const ceres::Problem& problem, const std::unordered_set<const double*>& landmarks,
     const std::vector<const double*>& of) {
-  const NormalEquations normal(problem, landmarks);
+  NormalEquations normal(problem, landmarks);
   std::vector<int> columns;
   for (const double* block : of)
     for (int k = 0; k < normal.ColumnsOf(block).size; ++k)
       columns.push_back(normal.ColumnsOf(block).column + k);
   const auto count = static_cast<Eigen::Index>(columns.size());
-  Eigen::MatrixXd wanted = Eigen::MatrixXd::Zero(normal.num_columns(), count);
-  for (Eigen::Index i = 0; i < count; ++i) wanted(columns[static_cast<size_t>(i)], i) = 1;
   Eigen::MatrixXd by_score;
   try {
-    by_score = SolveCholesky(normal.Information(), wanted);
+    by_score = CholeskySolver().InverseColumns(normal.TakeInformation(), columns);
   } catch (const Error&) {
     return std::nullopt;
   }

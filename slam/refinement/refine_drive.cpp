@@ -21,6 +21,9 @@ constexpr double kOutputInterval = 0.025;  // [s] between states
 constexpr double kNormalLoopError = 2;
 constexpr double kModeDistance = 2;  // [m] between poses that modes speak about
 constexpr double kMaxModePoses = 60;
+// Least falls of the cost. To reject outliers, and then to judge by what is held out, less will do
+// than in the end; steps go on falling slowly for long, as losses are robust.
+constexpr double kRoughFall = 1e-2, kJudgedFall = 1e-3, kFinalFall = 1e-4;
 constexpr double kNormalImuError =
     1.5;  // mean squared error per degree of freedom that needs no excuse
 
@@ -200,13 +203,17 @@ DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig,
   result.num_fixes = static_cast<int>(placed.fixes.size());
   adjustment.SetGnss(placed.fixes, placed.site_from_odom);
   adjustment.HoldOutLandmarks(every);
-  const PieceOptions pieces{static_cast<size_t>(options.max_nodes), options.max_iterations};
-  result.num_pieces = NumPieces(adjustment.num_nodes(), pieces);
+  const auto solve = [&](double least_fall) {
+    const PieceOptions pieces{static_cast<size_t>(options.max_nodes),
+                              {options.max_iterations, least_fall}};
+    result.num_pieces = NumPieces(adjustment.num_nodes(), pieces);
+    result.num_iterations += SolveInPieces(adjustment, pieces);
+  };
   adjustment.FitLandmarks();
   result.before = adjustment.Statistics();
-  result.num_iterations += SolveInPieces(adjustment, pieces);
+  solve(kRoughFall);
   adjustment.RejectOutliers();
-  result.num_iterations += SolveInPieces(adjustment, pieces);
+  solve(kJudgedFall);
   adjustment.FitLandmarks();
   result.after = adjustment.Statistics();
   result.reason = ReasonAgainst(result, options);
@@ -215,7 +222,7 @@ DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig,
     adjustment.SetLoops(loops);
     adjustment.HoldOutLandmarks(0);
     adjustment.RejectOutliers();
-    if (every > 0) result.num_iterations += SolveInPieces(adjustment, pieces);
+    solve(kFinalFall);
     result.is_accepted = true;
     TakeCalibration(odometry, adjustment.Cameras(), result);
     result.modes = ModesOf(adjustment, rig, result.num_pieces);

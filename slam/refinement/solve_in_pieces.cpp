@@ -63,10 +63,11 @@ class MeanCalibration {
 };
 
 /// Solves the piece with its end open, and moves what follows as its last node moved.
-int SolveAndCarry(DriveAdjustment& adjustment, size_t begin, size_t end, int max_iterations) {
+int SolveAndCarry(DriveAdjustment& adjustment, size_t begin, size_t end,
+                  const SolveLimits& limits) {
   const Rigid3 before = adjustment.States()[end - 1].odom_from_imu;
   const bool is_last = end == adjustment.num_nodes();
-  const int num_steps = adjustment.Solve({begin, end, !is_last, true}, max_iterations);
+  const int num_steps = adjustment.Solve({begin, end, !is_last, true}, limits);
   if (is_last) return num_steps;
   const Rigid3 after = adjustment.States()[end - 1].odom_from_imu;
   std::vector<Rigid3> moves(adjustment.num_nodes());
@@ -148,12 +149,12 @@ int NumPieces(size_t num_nodes, const PieceOptions& options) {
 
 int SolveInPieces(DriveAdjustment& adjustment, const PieceOptions& options) {
   const size_t count = adjustment.num_nodes(), piece = options.max_nodes;
-  if (count <= piece) return adjustment.Solve({0, count, false, true}, options.max_iterations);
+  if (count <= piece) return adjustment.Solve({0, count, false, true}, options.limits);
   int num_steps = 0;
   MeanCalibration calibration;
   for (size_t begin = 0, end = 0; end < count; begin += piece - piece / 4) {
     end = std::min(begin + piece, count);
-    num_steps += SolveAndCarry(adjustment, begin, end, options.max_iterations);
+    num_steps += SolveAndCarry(adjustment, begin, end, options.limits);
     calibration.Add(adjustment.Cameras(), adjustment.WheelScale());
   }
   calibration.Set(adjustment);
@@ -161,12 +162,12 @@ int SolveInPieces(DriveAdjustment& adjustment, const PieceOptions& options) {
   if (std::any_of(loops.begin(), loops.end(),
                   [](const AdjustedLoop& loop) { return loop.is_used; }))
     CloseBetweenPieces(adjustment);
+  const SolveLimits at_seams{options.limits.max_steps / 2, options.limits.least_fall};
   for (const size_t shift : {size_t{0}, piece / 2})
     for (size_t begin = 0; begin < count + shift; begin += piece) {
       const size_t from = begin - std::min(begin, shift),
                    to = std::min(begin + piece - shift, count);
-      if (from < to)
-        num_steps += adjustment.Solve({from, to, false, false}, options.max_iterations / 2);
+      if (from < to) num_steps += adjustment.Solve({from, to, false, false}, at_seams);
     }
   return num_steps;
 }

@@ -6,7 +6,7 @@ namespace parkade {
 
 struct PieceOptions {
   size_t max_nodes = 3000;  ///< of a piece
-  int max_iterations = 10;  ///< of each solve
+  SolveLimits limits;       ///< of each solve
 };
 
 int NumPieces(size_t num_nodes, const PieceOptions& options);

@@ -106,7 +106,7 @@ std::optional<Eigen::VectorXd> SparseMatrix::Solve(const Eigen::VectorXd& dampin
       matrix_.valuePtr()[matrix_.outerIndexPtr()[state.column + k] + k] +=
           damping[state.column + k];
   try {
-    Eigen::VectorXd x = solver_.Solve(matrix_, right);
+    Eigen::VectorXd x = solver_.SolveSimilar(matrix_, right);
     return x.allFinite() ? std::optional(std::move(x)) : std::nullopt;
   } catch (const Error&) {
     return std::nullopt;

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
 #include <random>
+#include <vector>
 
 #include "core/error.h"
 
@@ -55,6 +58,55 @@ TEST(CholeskySolver, SolvesMatricesOfOnePatternAsIfEachWereAlone) {
   }
   matrix.coeffRef(4, 4) = -1;
   EXPECT_THROW(solver.Solve(matrix, b), Error);
+}
+
+double EnergyNorm(const Eigen::SparseMatrix<double>& matrix, const Eigen::VectorXd& x) {
+  return std::sqrt(x.dot(matrix.selfadjointView<Eigen::Lower>() * x));
+}
+
+TEST(CholeskySolver, SolvesSimilarMatricesToAHundredth) {
+  Eigen::SparseMatrix<double> matrix = GridMatrix(25);
+  const Eigen::VectorXd b = Eigen::VectorXd::Random(matrix.rows());
+  CholeskySolver solver;
+  bool was_close = false;
+  for (int round = 0; round < 6; ++round) {
+    const Eigen::VectorXd x = solver.SolveSimilar(matrix, b), exact = SolveCholesky(matrix, b);
+    EXPECT_LE(EnergyNorm(matrix, x - exact), 0.01 * EnergyNorm(matrix, exact)) << round;
+    if (round == 0) {
+      EXPECT_EQ(x, exact);
+    }
+    was_close |= x != exact;
+    for (int i = 0; i < matrix.rows(); ++i) matrix.coeffRef(i, i) += 0.1 * (i % 7);
+  }
+  EXPECT_TRUE(was_close) << "each was factorized anew";
+}
+
+TEST(CholeskySolver, FactorizesAnewWhatIsNotSimilar) {
+  Eigen::SparseMatrix<double> matrix = GridMatrix(25);
+  const Eigen::VectorXd b = Eigen::VectorXd::Random(matrix.rows());
+  CholeskySolver solver;
+  solver.SolveSimilar(matrix, b);
+  for (int i = 0; i < matrix.rows(); ++i) matrix.coeffRef(i, i) += std::pow(10.0, i % 7);
+  EXPECT_EQ(solver.SolveSimilar(matrix, b), SolveCholesky(matrix, b));
+
+  const double sound = matrix.coeff(4, 4);
+  matrix.coeffRef(4, 4) = -1e9;
+  EXPECT_THROW(solver.SolveSimilar(matrix, b), Error);
+  matrix.coeffRef(4, 4) = sound;
+  EXPECT_EQ(solver.SolveSimilar(matrix, b), SolveCholesky(matrix, b));
+}
+
+TEST(CholeskySolver, GivesColumnsOfTheInverse) {
+  const Eigen::SparseMatrix<double> matrix = GridMatrix(12);
+  std::vector<int> columns;  // more than are solved for at a time
+  for (int i = 0; i < 70; ++i) columns.push_back((37 * i) % 144);
+  const Eigen::MatrixXd some = CholeskySolver().InverseColumns(matrix, columns);
+
+  const Eigen::MatrixXd dense = Eigen::MatrixXd(matrix).selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd inverse = dense.inverse();
+  ASSERT_EQ(some.cols(), 70);
+  for (size_t i = 0; i < columns.size(); ++i)
+    EXPECT_LT((some.col(static_cast<Eigen::Index>(i)) - inverse.col(columns[i])).norm(), 1e-9) << i;
 }
 
 TEST(SolveCholesky, RefusesWhatIsNotPositiveDefinite) {

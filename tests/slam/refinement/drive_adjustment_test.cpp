@@ -71,8 +71,8 @@ TEST(DriveAdjustment, ADisturbedStartEndsWhereTheTruthDoes) {
   DriveAdjustment adjustment(*measured.measurements, measured.drive.rig(), start, {});
   DriveAdjustment from_truth(*measured.measurements, measured.drive.rig(), measured.Truth(), {});
 
-  const int steps = adjustment.Solve({0, adjustment.num_nodes(), false, true}, 40);
-  from_truth.Solve({0, from_truth.num_nodes(), false, true}, 40);
+  const int steps = adjustment.Solve({0, adjustment.num_nodes(), false, true}, {40});
+  from_truth.Solve({0, from_truth.num_nodes(), false, true}, {40});
 
   EXPECT_GT(steps, 1);
   EXPECT_GT(measured.ErrorOf(start), 0.014) << "[m]";
@@ -93,7 +93,7 @@ TEST(DriveAdjustment, TheErrorOfHeldOutTracksFalls) {
   adjustment.FitLandmarks();
   const AdjustmentStatistics before = adjustment.Statistics();
 
-  adjustment.Solve({0, adjustment.num_nodes(), false, true}, 20);
+  adjustment.Solve({0, adjustment.num_nodes(), false, true}, {20});
   adjustment.FitLandmarks();
 
   const AdjustmentStatistics after = adjustment.Statistics();
@@ -108,7 +108,7 @@ TEST(DriveAdjustment, NodesOutsideTheStretchStay) {
   const std::vector<MotionState> start = measured.Disturbed();
   DriveAdjustment adjustment(*measured.measurements, measured.drive.rig(), start, {});
 
-  adjustment.Solve({10, 20, false, false}, 5);
+  adjustment.Solve({10, 20, false, false}, {5});
 
   const std::vector<MotionState> after = adjustment.States();
   EXPECT_EQ(after[9].odom_from_imu.translation, start[9].odom_from_imu.translation);
@@ -120,7 +120,7 @@ TEST(DriveAdjustment, NodesOutsideTheStretchStay) {
 TEST(DriveAdjustment, ThePosesAreAsCertainAsTheyAreRight) {
   const MeasuredDrive& measured = Measured();
   DriveAdjustment adjustment(*measured.measurements, measured.drive.rig(), measured.Truth(), {});
-  adjustment.Solve({0, adjustment.num_nodes(), false, true}, 20);
+  adjustment.Solve({0, adjustment.num_nodes(), false, true}, {20});
 
   const size_t last = adjustment.num_nodes() - 1;
   const std::optional<Eigen::MatrixXd> covariance = adjustment.PoseCovariance({0, last});
