@@ -32,6 +32,7 @@ class BinaryWriter {
     (Put(values), ...);
   }
   const std::string& bytes() const { return bytes_; }
+  std::string Take() && { return std::move(bytes_); }
   void Clear() { bytes_.clear(); }
 
   void Raw(void* data, size_t size) { bytes_.append(static_cast<const char*>(data), size); }

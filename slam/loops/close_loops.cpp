@@ -226,6 +226,7 @@ LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const Lo
   DescribeKeyframes(log, odometry, options.keyframes, is_possible, std::move(chosen),
                     [&](RigKeyframe&& keyframe) {
                       if (keep && is_possible[keyframes.size()]) keep(keyframe);
+                      keyframe.floor.release();  // is for joining drives
                       keyframes.push_back(std::move(keyframe));
                     });
   std::vector<PlaceCandidate> candidates = RecognizePlaces(keyframes, options.recognition);

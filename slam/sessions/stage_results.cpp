@@ -1,6 +1,9 @@
 #include "slam/sessions/stage_results.h"
 
 #include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
 
 #include "core/binary_serialization.h"
 
@@ -143,13 +146,20 @@ void SetImagePoints(const ImagePoints& images, RigKeyframe& keyframe) {
     keyframe.features[i].image_point = images.points[i];
 }
 
+/// Calls `see` with the number of a keyframe, a camera and what it saw, for both ends of a loop.
+template <typename See>
+void ForEachView(LoopEvidence& loop, const See& see) {
+  see(loop.earlier_keyframe, loop.earlier_camera, loop.earlier_view);
+  see(loop.later_keyframe, loop.later_camera, loop.later_view);
+}
+
 constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 20;
 
 template <typename Result>
 std::string Encode(Result& result) {
   BinaryWriter writer;
   writer(result);
-  return writer.bytes();
+  return std::move(writer).Take();
 }
 
 template <typename Result>
@@ -165,8 +175,26 @@ Result Decode(std::string_view bytes, Result result = {}) {
 std::string EncodeAgreement(SensorAgreement agreement) { return Encode(agreement); }
 SensorAgreement DecodeAgreement(std::string_view bytes) { return Decode<SensorAgreement>(bytes); }
 
-std::string EncodeLoops(LoopClosure loops) { return Encode(loops); }
-LoopClosure DecodeLoops(std::string_view bytes) { return Decode<LoopClosure>(bytes); }
+std::string EncodeLoops(LoopClosure loops) {
+  std::set<std::pair<std::size_t, int>> written;
+  for (LoopEvidence& loop : loops.loops)
+    ForEachView(loop, [&](std::size_t keyframe, int camera, cv::Mat& view) {
+      if (!view.empty() && !written.insert({keyframe, camera}).second) view.release();
+    });
+  return Encode(loops);
+}
+
+LoopClosure DecodeLoops(std::string_view bytes) {
+  auto loops = Decode<LoopClosure>(bytes);
+  std::map<std::pair<std::size_t, int>, cv::Mat> views;
+  for (LoopEvidence& loop : loops.loops)
+    ForEachView(loop, [&](std::size_t keyframe, int camera, cv::Mat& view) {
+      cv::Mat& first = views[{keyframe, camera}];
+      if (first.empty()) first = view;
+      view = first;
+    });
+  return loops;
+}
 
 std::string EncodeRefinement(DriveRefinement refinement) { return Encode(refinement); }
 DriveRefinement DecodeRefinement(std::string_view bytes, const Rig& rig) {

@@ -20,11 +20,12 @@ namespace parkade {
 // Error{kInvalidInput} for other bytes.
 
 /// Raised whenever one of the layouts, or what a stage does with the same inputs, changes.
-constexpr int kStageResultsVersion = 7;
+constexpr int kStageResultsVersion = 8;
 
 std::string EncodeAgreement(SensorAgreement agreement);
 SensorAgreement DecodeAgreement(std::string_view bytes);
 
+/// A view that several loops show is there once, and in memory once when it comes back.
 std::string EncodeLoops(LoopClosure loops);
 LoopClosure DecodeLoops(std::string_view bytes);
 

@@ -96,6 +96,29 @@ TEST(StageResults, LoopsComeBackWithTheirImagesButNotTheirTime) {
   EXPECT_EQ(read.odom_from_body.states().size(), loops.odom_from_body.states().size());
 }
 
+TEST(StageResults, AViewThatLoopsShareIsKeptOnce) {
+  LoopClosure loops;
+  loops.loops.resize(3);
+  const cv::Mat view(100, 200, CV_8UC1, 77), other(100, 200, CV_8UC1, 78);
+  for (LoopEvidence& loop : loops.loops) {
+    loop.earlier_keyframe = 4;
+    loop.later_keyframe = 9;
+    loop.earlier_view = view;
+    loop.later_view = other;
+  }
+  loops.loops[1].later_camera = 2;  // which has no view
+  loops.loops[1].later_view = cv::Mat();
+  const std::string bytes = EncodeLoops(loops);
+  EXPECT_LT(bytes.size(), 3u * 100 * 200);
+  EXPECT_FALSE(loops.loops[2].earlier_view.empty()) << "the caller's are as they were";
+
+  const LoopClosure read = DecodeLoops(bytes);
+  EXPECT_EQ(read.loops[2].earlier_view.at<std::uint8_t>(3, 4), 77);
+  EXPECT_EQ(read.loops[2].later_view.at<std::uint8_t>(3, 4), 78);
+  EXPECT_EQ(read.loops[2].later_view.data, read.loops[0].later_view.data);
+  EXPECT_TRUE(read.loops[1].later_view.empty());
+}
+
 TEST(StageResults, ARefinementComesBackOntoItsRig) {
   const DriveRefinement refinement = SomeRefinement();
   Rig rig;
