@@ -78,6 +78,7 @@ TEST(StageResults, LoopsComeBackWithTheirImagesButNotTheirTime) {
   loops.loops.resize(1);
   loops.loops[0].id = "3-17";
   loops.loops[0].weight = 0.75;
+  loops.loops[0].later_keyframe = 1;
   loops.loops[0].earlier_view = cv::Mat(4, 5, CV_8UC1, 77);
   loops.loops[0].pose.inliers_of_cameras = {{0, 3, 44}};
   loops.loops[0].pose.shown = {0, 3, Timestamp{5}, Timestamp{6}, {{{0.1F, 0.2F}, {0.3F, 0.4F}}}};
