@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
+#include <system_error>
 
 #include "core/calibration/basalt_rig.h"
 #include "core/calibration/ocam_file.h"
@@ -170,7 +171,7 @@ cv::Mat ReadMask(const YamlNode& camera, const path& folder) {
   const YamlNode node = camera.At("mask");
   const path file = FileAt(node, folder);
   cv::Mat mask;
-  if (std::filesystem::is_regular_file(file))
+  if (std::error_code not_a_name; std::filesystem::is_regular_file(file, not_a_name))
     mask = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
   Require(!mask.empty(), ErrorCode::kInvalidInput,
           node.where() + ": '" + node.Text() + "' is not a readable image");

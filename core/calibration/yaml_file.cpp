@@ -68,16 +68,17 @@ YamlNode YamlNode::With(const YAML::Node& entries) const {
 }
 
 Rigid3 YamlNode::Motion() const {
-  if (Has("data")) return YamlNode(node_["data"], where_).Motion();  // an OpenCV matrix
+  // An OpenCV matrix has its numbers in "data". That may be the matrix itself, by an alias.
+  const YAML::Node node = Has("data") ? node_["data"] : node_;
   std::vector<double> numbers;
-  if (node_.IsSequence() && node_.size() > 0 && node_[0].IsSequence()) {
-    for (const YAML::Node& row : node_) {
+  if (node.IsSequence() && node.size() > 0 && node[0].IsSequence()) {
+    for (const YAML::Node& row : node) {
       const std::vector<double> row_numbers = YamlNode(row, where_).Numbers();
       if (row_numbers.size() != 4) Fail(where_ + " must be a 4x4 matrix");
       numbers.insert(numbers.end(), row_numbers.begin(), row_numbers.end());
     }
   } else {
-    numbers = Numbers();
+    numbers = YamlNode(node, where_).Numbers();
   }
   if (numbers.size() != 16) Fail(where_ + " must be a 4x4 matrix");
   const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> matrix(numbers.data());

@@ -34,6 +34,7 @@ class CholeskySolver::Factor
     if (m_cholmodFactor == nullptr) analyzePattern(a);
     factorize(a);
     has_numbers_ = info() == Eigen::Success;
+    if (!has_numbers_) LetGoOfNumbers();
     Require(has_numbers_, ErrorCode::kInternal, "the matrix is not positive definite");
   }
 
@@ -56,25 +57,27 @@ class CholeskySolver::Factor
                                          const Eigen::VectorXd& b) const {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(b.size()), rest = b, solved = solve(rest),
                     direction = solved;
-    const double first = rest.dot(solved), goal = kTolerance * kTolerance * first;
-    double left = first;
-    for (int step = 1; step <= kMaxSteps; ++step) {
-      if (left <= goal) return x;
+    double left = rest.dot(solved), energy = 0;
+    for (int step = 1; step <= kMaxSteps && left > 0; ++step) {
       const Eigen::VectorXd image = a.selfadjointView<Eigen::Lower>() * direction;
       const double curvature = direction.dot(image);
       if (!(curvature > 0)) return std::nullopt;
       x += left / curvature * direction;
+      // By how much x^T A x grew. M. Hestenes, E. Stiefel, theorem 6:1.
+      const double growth = left / curvature * left;
+      energy += growth;
+      if (!std::isfinite(energy)) return std::nullopt;
+      if (growth <= kTolerance * kTolerance * energy) return x;
+      if (step >= kLeastSteps &&
+          std::log(growth / energy) * kMaxSteps > 2 * std::log(kTolerance) * step)
+        return std::nullopt;
       rest -= left / curvature * image;
       solved = solve(rest);
       const double next = rest.dot(solved);
-      if (!std::isfinite(next)) return std::nullopt;
-      if (step >= kLeastSteps &&
-          std::log(next / first) * kMaxSteps > 2 * std::log(kTolerance) * step)
-        return std::nullopt;
       direction = solved + next / left * direction;
       left = next;
     }
-    return left <= goal ? std::optional(std::move(x)) : std::nullopt;
+    return left == 0 ? std::optional(std::move(x)) : std::nullopt;
   }
 
   bool has_numbers_ = false;

@@ -27,10 +27,10 @@ class CholeskySolver {
   /// Keeps no numbers.
   Eigen::MatrixXd Solve(const Eigen::SparseMatrix<double>& a, const Eigen::MatrixXd& b);
 
-  /// The same to a hundredth of x's energy norm, as a step of a minimization needs it, in less time
-  /// where A is similar to the last one: by conjugate gradients, which that one's factor
-  /// preconditions. Keeps the factor. M. Hestenes, E. Stiefel, "Methods of conjugate gradients for
-  /// solving linear systems", 1952.
+  /// The same to about a hundredth of x's energy norm, as a step of a minimization needs it, in
+  /// less time where A is similar to the last one: by conjugate gradients, which that one's factor
+  /// preconditions, until x^T A x hardly grows. Keeps the factor. M. Hestenes, E. Stiefel, "Methods
+  /// of conjugate gradients for solving linear systems", 1952.
   Eigen::VectorXd SolveSimilar(const Eigen::SparseMatrix<double>& a, const Eigen::VectorXd& b);
 
   /// The columns of A^-1 with these numbers, side by side. Keeps no numbers, and takes less memory

@@ -13,16 +13,16 @@
 
 namespace parkade {
 
-/// All states of a drive, its landmarks, the wheel scale and the calibration of its cameras as one
-/// least-squares problem: the factor graph of FixedLagSmoother without window and marginalization,
-/// plus loops and GNSS. Landmarks are eliminated first (Schur), the rest is a band with an arrow.
-/// Results do not depend on the number of threads.
 /// When a solve ends.
 struct SolveLimits {
   int max_steps = 10;
   double least_fall = 1e-5;  ///< share of the cost: the step that changes it by less is the last
 };
 
+/// All states of a drive, its landmarks, the wheel scale and the calibration of its cameras as one
+/// least-squares problem: the factor graph of FixedLagSmoother without window and marginalization,
+/// plus loops and GNSS. Landmarks are eliminated first (Schur), the rest is a band with an arrow.
+/// Results do not depend on the number of threads.
 class DriveAdjustment {
  public:
   /// \param rig    what the drive's log says: calibration has its prior there

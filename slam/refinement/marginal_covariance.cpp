@@ -94,7 +94,6 @@ class NormalEquations {
   const Eigen::MatrixXd& sensitivity() const { return sensitivity_; }
 
   const Block& ColumnsOf(const double* block) const { return columns_.at(block); }
-  int num_columns() const { return num_columns_; }
 
  private:
   static std::uint64_t KeyOf(int row, int column) {

@@ -23,7 +23,7 @@ constexpr double kModeDistance = 2;  // [m] between poses that modes speak about
 constexpr double kMaxModePoses = 60;
 // Least falls of the cost. To reject outliers, and then to judge by what is held out, less will do
 // than in the end; steps go on falling slowly for long, as losses are robust.
-constexpr double kRoughFall = 1e-2, kJudgedFall = 1e-3, kFinalFall = 1e-4;
+constexpr double kRoughFall = 1e-2, kJudgedFall = 1e-3, kFinalFall = 1e-5;
 constexpr double kNormalImuError =
     1.5;  // mean squared error per degree of freedom that needs no excuse
 

@@ -67,7 +67,8 @@ std::optional<SchurSolver::Step> SchurSolver::FindStep(double radius) {
     return BackSubstitute(structure_, structure_.chunks[i], eliminated_[i], step.states,
                           step.landmarks);
   });
-  // -g x - x H x / 2, where (H + D) x = -g.
+  // -g x - x H x / 2, where (H + D) x = -g, or at least x (H + D) x = -g x, as conjugate gradients
+  // keep it.
   step.fall =
       (step.states.dot(damping.cwiseProduct(step.states)) - step.states.dot(system_.gradient())) /
       2;

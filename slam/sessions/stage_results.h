@@ -25,7 +25,8 @@ constexpr int kStageResultsVersion = 8;
 std::string EncodeAgreement(SensorAgreement agreement);
 SensorAgreement DecodeAgreement(std::string_view bytes);
 
-/// A view that several loops show is there once, and in memory once when it comes back.
+/// A view that several loops show is there once, and in memory once when it comes back: ends of
+/// loops at one keyframe and camera have the same view, or come back with it.
 std::string EncodeLoops(LoopClosure loops);
 LoopClosure DecodeLoops(std::string_view bytes);
 

@@ -300,6 +300,9 @@ TEST_F(RigFolder, ErrorsNameFileAndKey) {
   expect_error("[1.0, 0.0, 0.0, 0.3]", "[2.0, 0.0, 0.0, 0.3]",
                "cam0.T_cam_imu: a 4x4 transform is not a rigid");
   expect_error("  - [0.0, 0.0, 0.0, 1.0]\n", "", "cam0.T_cam_imu must be a 4x4 matrix");
+  // A matrix that is its own data.
+  expect_error("  T_cam_imu:", "  T_cam_imu: &a {data: *a}\n  other:",
+               "cam0.T_cam_imu must be a list of numbers");
   expect_error("cam0:", "front:", "has no 'cam0'");
   expect_error("  rostopic", "  mask: ../secret.png\n  rostopic", "cam0.mask must lie inside");
   expect_error("  rostopic", "  mask: none.png\n  rostopic",

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fstream>
 #include <set>
+#include <system_error>
 
 #include "core/error.h"
 #include "core/files/file.h"
@@ -132,9 +133,11 @@ std::unique_ptr<MessageSource> OpenFolder(const fs::path& folder, const fs::path
     // A file that was packed or unpacked since has the same name with or without its last part.
     const std::array<std::string, 3> candidates = {name, name + ".zstd",
                                                    fs::path(name).stem().string()};
-    const auto found = std::find_if(
-        candidates.begin(), candidates.end(),
-        [&](const std::string& candidate) { return fs::is_regular_file(folder / candidate); });
+    const auto found =
+        std::find_if(candidates.begin(), candidates.end(), [&](const std::string& candidate) {
+          std::error_code not_a_name;
+          return fs::is_regular_file(folder / candidate, not_a_name);
+        });
     if (found != candidates.end()) {
       names.push_back(*found);
     } else {

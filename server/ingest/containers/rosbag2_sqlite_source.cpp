@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include "core/error.h"
 #include "server/ingest/containers/channel_clocks.h"
@@ -307,8 +308,9 @@ class SqliteSource : public MessageSource {
     } catch (const Error&) {
       log_->is_damaged = true;
       for (const auto& [id, topic] : SqlitePages(log_->file).FindTopics())
-        channels.AddChannel(static_cast<std::uint32_t>(id),
-                            {topic.name, topic.type, topic.encoding, std::nullopt});
+        if (std::in_range<std::uint32_t>(id))
+          channels.AddChannel(static_cast<std::uint32_t>(id),
+                              {topic.name, topic.type, topic.encoding, std::nullopt});
       has_tables = channels.num_channels() > 0;
     }
     Require(has_tables, ErrorCode::kInvalidInput, SentenceWithoutTables());

@@ -218,6 +218,16 @@ std::optional<RawMessage> ReadRecord(const ScannedLog& log, ByteReader& reader,
   return RawMessage{topic, step.record->time, {data.begin(), data.end()}};
 }
 
+/// Lets a reader of a large chunk, which sees a window of it, pass what lies before `offset`.
+void PassTo(std::uint64_t offset, ByteReader& reader) {
+  constexpr std::uint64_t kStep = std::uint64_t{1} << 20;
+  for (std::uint64_t at = 0; at < offset; at += kStep) {
+    reader.Release(at);
+    if (reader.Fetch(at, 1).empty()) return;
+  }
+  reader.Release(offset);
+}
+
 }  // namespace
 
 std::optional<RawMessage> ReadMessageAt(const ScannedLog& log, const MessagePlace& place) {
@@ -227,7 +237,9 @@ std::optional<RawMessage> ReadMessageAt(const ScannedLog& log, const MessagePlac
   if (step.is_damaged) return std::nullopt;
   if (step.record->kind != RecordKind::kChunk) return ReadRecord(log, reader, place.record);
   const ChunkContent content = OpenChunk(*log.file, *step.record);
-  return content.reader ? ReadRecord(log, *content.reader, place.in_chunk) : std::nullopt;
+  if (!content.reader) return std::nullopt;
+  PassTo(place.in_chunk, *content.reader);
+  return ReadRecord(log, *content.reader, place.in_chunk);
 }
 
 std::unique_ptr<SegmentCursor> OpenSegment(const ScannedLog& log, const LogSegment& segment,

@@ -170,7 +170,9 @@ std::optional<SqlitePages::Row> SqlitePages::ParseMessage(
   const auto topic_id = TakeInteger(values, columns->types[1]);
   const auto timestamp = topic_id ? TakeInteger(values, columns->types[2]) : std::nullopt;
   const std::uint64_t data_size = SizeOfSerialType(columns->types[3]);
-  if (!timestamp || data_size > cell.size) return std::nullopt;
+  constexpr std::uint64_t kMaxBesideData = 64;  // the header, an id and a time
+  if (!timestamp || data_size > cell.size || cell.size - data_size > kMaxBesideData)
+    return std::nullopt;
   Row row{cell.row_id, *topic_id, *timestamp, std::nullopt};
   if (!wants(*topic_id) || data_size > kMaxMessageSize) return row;
   row.data = ReadPayload(cell);

@@ -8,6 +8,7 @@
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <system_error>
 
 #include "core/error.h"
 #include "core/files/file.h"
@@ -101,10 +102,16 @@ cv::Mat WithEightBits(const cv::Mat& image, int sample_bits) {
   return narrow;
 }
 
+bool HasImpossibleSide(const ImageMessage& message) {
+  constexpr std::uint32_t kMaxSide = 1 << 16;
+  return message.width > kMaxSide || message.height > kMaxSide;
+}
+
 /// A view of the pixels, with what lies below them where `num_rows` says so; nothing when the
 /// message contradicts itself. Some drivers leave out the step.
 std::optional<cv::Mat> ViewOf(const ImageMessage& message, int type, std::size_t num_rows) {
-  const std::size_t row_size = message.width * CV_ELEM_SIZE(type);
+  if (HasImpossibleSide(message)) return std::nullopt;
+  const std::size_t row_size = std::size_t{message.width} * CV_ELEM_SIZE(type);
   const std::size_t step = message.step == 0 ? row_size : message.step;
   if (message.width == 0 || message.height == 0 || step < row_size) return std::nullopt;
   if (message.data.size() < step * (num_rows - 1) + row_size) return std::nullopt;
@@ -194,15 +201,15 @@ DecodedImage DecodeCompressed(std::span<const std::uint8_t> data, const ImageReq
 }
 
 DecodedImage DecodeRaw(const ImageMessage& message, const ImageRequest& request) {
-  if (const auto packed = FindPackedEncoding(InSmallLetters(message.encoding)))
-    return DecodePacked(message, *packed, request);
+  const auto packed = FindPackedEncoding(InSmallLetters(message.encoding));
   const RawFormat* format = FindFormat(message.encoding);
-  if (!format) return Damaged("encoding '" + message.encoding.substr(0, 40) + "' is not supported");
-  constexpr std::uint32_t kMaxSide = 1 << 16;
-  if (message.width > kMaxSide || message.height > kMaxSide) return Damaged("impossible size");
+  if (!packed && !format)
+    return Damaged("encoding '" + message.encoding.substr(0, 40) + "' is not supported");
+  if (HasImpossibleSide(message)) return Damaged("impossible size");
   if (auto fault =
           CheckSize(static_cast<int>(message.width), static_cast<int>(message.height), request))
     return *fault;
+  if (packed) return DecodePacked(message, *packed, request);
   const bool needs_chroma = format->has_chroma_below && !request.grayscale;
   if (needs_chroma && (message.width % 2 != 0 || message.height % 2 != 0))
     return Damaged("its width and height are not even, as " + message.encoding + " needs");
@@ -226,8 +233,8 @@ DecodedImage DecodeMessageImage(const RawMessage& message, const SensorStream& s
   try {
     if (stream.encoding == MessageEncoding::kEuroc) {
       const std::filesystem::path file = PathOf(message);
-      if (!std::filesystem::is_regular_file(file))
-        return Damaged("there is no file " + file.filename().string());
+      if (std::error_code not_a_name; !std::filesystem::is_regular_file(file, not_a_name))
+        return Damaged("there is no file " + file.filename().string().substr(0, 40));
       const std::string content = ReadFile(file, kMaxFileSize);
       return DecodeCompressed(
           {reinterpret_cast<const std::uint8_t*>(content.data()), content.size()}, request);
@@ -245,7 +252,12 @@ DecodedImage DecodeMessageImage(const RawMessage& message, const SensorStream& s
 
 std::optional<int> SampleBits(const RawMessage& message, const SensorStream& stream) {
   if (stream.type != "sensor_msgs/Image") return std::nullopt;
-  const ImageMessage image = DecodeImage(message.data, stream.encoding);
+  ImageMessage image;
+  try {
+    image = DecodeImage(message.data, stream.encoding);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
   const RawFormat* format = FindFormat(image.encoding);
   if (!format || CV_MAT_DEPTH(format->type) != CV_16U) return std::nullopt;
   const std::optional<cv::Mat> view = ViewOf(image, format->type, image.height);

@@ -8,6 +8,9 @@
 namespace parkade {
 namespace {
 
+constexpr char kArraysOfArrays[] =
+    "the message definition in IDL has arrays of arrays, which are not supported";
+
 bool IsOfName(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
 /// The words and signs of a text, without comments, texts in quotes, preprocessor's and rosbag2's
@@ -151,6 +154,7 @@ class IdlParser {
     std::string word = Take();
     if (word == "sequence") {
       Expect("<");
+      Require(!TakeIf("sequence"), ErrorCode::kInvalidInput, kArraysOfArrays);
       RosField field = ArrayOf(ParseType(), std::nullopt);
       SkipBound(",");
       Expect(">");
@@ -174,8 +178,7 @@ class IdlParser {
   }
 
   static RosField ArrayOf(RosField element, std::optional<std::size_t> length) {
-    Require(!element.is_array, ErrorCode::kInvalidInput,
-            "the message definition in IDL has arrays of arrays, which are not supported");
+    Require(!element.is_array, ErrorCode::kInvalidInput, kArraysOfArrays);
     element.is_array = true;
     element.length = length;
     return element;

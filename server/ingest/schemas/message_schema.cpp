@@ -5,10 +5,16 @@
 namespace parkade {
 namespace {
 
+constexpr int kMaxDepth = 64;  // trees are copied and searched by recursion
+
 class JsonSchema : public MessageSchema {
  public:
   MessageTree Decode(std::span<const std::uint8_t> data) const override {
-    MessageTree tree = MessageTree::parse(data.begin(), data.end(), nullptr,
+    const auto is_shallow = [](int depth, MessageTree::parse_event_t, const MessageTree&) {
+      Require(depth <= kMaxDepth, ErrorCode::kInvalidInput, "the message is nested too deeply");
+      return true;
+    };
+    MessageTree tree = MessageTree::parse(data.begin(), data.end(), is_shallow,
                                           /*allow_exceptions=*/false);
     Require(!tree.is_discarded(), ErrorCode::kInvalidInput, "the message is not JSON");
     return tree;

@@ -64,22 +64,28 @@ double EnergyNorm(const Eigen::SparseMatrix<double>& matrix, const Eigen::Vector
   return std::sqrt(x.dot(matrix.selfadjointView<Eigen::Lower>() * x));
 }
 
-TEST(CholeskySolver, SolvesSimilarMatricesToAHundredth) {
+class SimilarMatrices : public testing::TestWithParam<double> {};
+
+TEST_P(SimilarMatrices, AreSolvedToAboutAHundredth) {
   Eigen::SparseMatrix<double> matrix = GridMatrix(25);
+  for (int i = 0; i < matrix.rows(); ++i) matrix.coeffRef(i, i) += 3;
   const Eigen::VectorXd b = Eigen::VectorXd::Random(matrix.rows());
   CholeskySolver solver;
   bool was_close = false;
   for (int round = 0; round < 6; ++round) {
     const Eigen::VectorXd x = solver.SolveSimilar(matrix, b), exact = SolveCholesky(matrix, b);
-    EXPECT_LE(EnergyNorm(matrix, x - exact), 0.01 * EnergyNorm(matrix, exact)) << round;
+    EXPECT_LE(EnergyNorm(matrix, x - exact), 0.02 * EnergyNorm(matrix, exact)) << round;
     if (round == 0) {
       EXPECT_EQ(x, exact);
     }
     was_close |= x != exact;
-    for (int i = 0; i < matrix.rows(); ++i) matrix.coeffRef(i, i) += 0.1 * (i % 7);
+    for (int i = 0; i < matrix.rows(); ++i) matrix.coeffRef(i, i) += GetParam() * (i % 7);
   }
   EXPECT_TRUE(was_close) << "each was factorized anew";
 }
+
+INSTANTIATE_TEST_SUITE_P(ThatGetStiffer, SimilarMatrices, testing::Values(0.1));
+INSTANTIATE_TEST_SUITE_P(ThatGetSofter, SimilarMatrices, testing::Values(-0.09));
 
 TEST(CholeskySolver, FactorizesAnewWhatIsNotSimilar) {
   Eigen::SparseMatrix<double> matrix = GridMatrix(25);

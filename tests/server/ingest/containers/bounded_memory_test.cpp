@@ -81,6 +81,16 @@ TEST(BoundedMemory, HoldsForOneChunkOfHundredsOfMegabytes) {
 
   EXPECT_EQ(count, 250u);
   ExpectLittle(growth);
+
+  // Far behind what is held at a time.
+  const auto source = OpenMessageSource(file.path());
+  const auto stream = source->Read({true});
+  MessagePlace last;
+  while (const auto message = stream->Next()) last = message->place;
+  const auto again = source->ReadAt(0, last);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->data.size(), kMessageSize);
+  EXPECT_EQ(again->data[249], 1);
 }
 
 // Every chunk claims to reach over the whole log: merging them would need all of them at once.

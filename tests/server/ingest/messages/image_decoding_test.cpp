@@ -240,6 +240,42 @@ TEST(RawImages, PaddedRowsAreCutAndShortOnesRefused) {
   EXPECT_EQ(DecodeRaw(MessageOf(gray, "yuv9"), kGray).fault, ImageFault::kDamaged);
 }
 
+TEST(RawImages, SizesThatOverflowAreDamaged) {
+  const cv::Mat gray(4, 4, CV_8UC1, cv::Scalar(7));
+  ImageMessage message = MessageOf(gray, "mono12p");
+  message.step = 0;
+  message.width = 2'863'355'221;  // rows of 12 bits, times the height: 2^64 + 65536 bytes
+  message.height = 4'294'901'761;
+  const std::vector<std::uint8_t> bytes(65'536);
+  message.data = bytes;
+  EXPECT_EQ(DecodeRaw(message, kGray).fault, ImageFault::kDamaged);
+
+  message = MessageOf(gray, "mono16");
+  message.step = 0;
+  message.width = 0x80000002;  // two bytes each: 4
+  EXPECT_EQ(DecodeRaw(message, kGray).fault, ImageFault::kDamaged);
+}
+
+TEST(RawImages, AMessageThatEndsTooEarlyIsDamagedAndHasNoBits) {
+  SensorStream stream;
+  stream.type = "sensor_msgs/Image";
+  for (const MessageEncoding encoding : {MessageEncoding::kCdr, MessageEncoding::kRos1}) {
+    stream.encoding = encoding;
+    RawMessage message;
+    message.data = {0, 1, 0, 0, 9, 9, 9};
+    EXPECT_EQ(DecodeMessageImage(message, stream, kGray).fault, ImageFault::kDamaged);
+    EXPECT_EQ(SampleBits(message, stream), std::nullopt);
+  }
+}
+
+TEST(CompressedImages, ANameThatNoFileCanHaveIsDamaged) {
+  SensorStream stream;
+  stream.encoding = MessageEncoding::kEuroc;
+  RawMessage message;
+  message.data.assign(5000, 'a');
+  EXPECT_EQ(DecodeMessageImage(message, stream, kGray).fault, ImageFault::kDamaged);
+}
+
 TEST(CompressedImages, JpegAndPngDecodeAsOpenCvDecodesThem) {
   const cv::Mat scene = Scene(3);
   for (const std::string extension : {".jpg", ".png"}) {

@@ -211,6 +211,26 @@ TEST(TranslateSourceTest, Ros2SpellsCalibrationsInSmallLetters) {
   EXPECT_EQ(info.intrinsic_matrix[4], 41);
 }
 
+// Deep trees would be copied and read by recursion until the stack ends.
+TEST(TranslateSourceTest, WhatIsNestedTooDeeplyIsRefused) {
+  const std::filesystem::path folder = MakeSchemaFolder();
+  McapWriter writer(folder / "drive.mcap", "", {});
+  const std::string deep(200'000, '[');
+  const int tf = writer.AddChannel("/tf", "foxglove.FrameTransform", "", "json");
+  writer.Write(tf, kTime, std::vector<std::uint8_t>(deep.begin(), deep.end()));
+  std::string idl = "module foxglove_msgs { module msg { struct FrameTransform { ";
+  for (int i = 0; i < 25'000; ++i) idl += "sequence<";
+  const int other = writer.AddChannel("/cam", "foxglove_msgs/msg/FrameTransform", idl, "cdr");
+  writer.Write(other, kTime + 1, std::vector<std::uint8_t>(8));
+  writer.Close();
+
+  const auto source = OpenTranslatedLog(folder / "drive.mcap", {});
+  const auto stream = source->Read(std::vector<bool>(source->topics().size(), true));
+  while (stream->Next()) {
+  }
+  std::filesystem::remove_all(folder);
+}
+
 TEST(TranslateSourceTest, ADamagedMessageOrSchemaIsToldApart) {
   const std::filesystem::path folder = MakeSchemaFolder();
   FoxgloveLog log(folder / "drive.mcap", "protobuf");
