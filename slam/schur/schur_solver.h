@@ -22,8 +22,9 @@ struct SchurSummary {
 
 /// Levenberg-Marquardt over states and landmarks, landmarks eliminated one by one, in all threads;
 /// the same bits for any number of them. It decides as Ceres does with a sparse Schur complement,
-/// but keeps no Jacobian, only what landmarks are substituted back with. K. Levenberg, 1944; D.
-/// Brown, "The bundle adjustment - progress and prospects", 1976.
+/// but keeps no Jacobian, only what landmarks are substituted back with, and finds the steps of
+/// many states to about a hundredth (CholeskySolver::SolveSimilar). K. Levenberg, 1944; D. Brown,
+/// "The bundle adjustment - progress and prospects", 1976.
 class SchurSolver {
  public:
   /// \param problem  whose losses are concave in the squared error, as robust ones are
