@@ -110,6 +110,7 @@ std::vector<Triangles> SplitIntoPieces(const TriangleMesh& mesh, const Triangles
   std::map<std::size_t, Triangles> pieces;
   for (std::size_t i = 0; i < triangles.size(); ++i) pieces[find(i)].push_back(triangles[i]);
   std::vector<Triangles> result;
+  result.reserve(pieces.size());
   for (auto& [first, piece] : pieces) result.push_back(std::move(piece));
   return result;
 }
@@ -120,6 +121,7 @@ std::vector<Triangles> SplitIntoBands(const TriangleMesh& mesh, const Triangles&
     bands[static_cast<int>(std::floor(CenterOf(mesh, triangle).z() / kBandHeight))].push_back(
         triangle);
   std::vector<Triangles> result;
+  result.reserve(bands.size());
   for (auto& [height, band] : bands) result.push_back(std::move(band));
   return result;
 }
@@ -153,6 +155,7 @@ std::vector<ChartSquare> CutIntoSquares(const TriangleMesh& mesh, double chart_s
         .push_back(i);
   }
   std::vector<ChartSquare> list;
+  list.reserve(squares.size());
   for (auto& [at, triangles] : squares) list.push_back({at.second, at.first, std::move(triangles)});
   return list;
 }
