@@ -23,6 +23,7 @@ constexpr double kFloorRotation = 0.1 * M_PI / 180;  // [rad]
 PoseGraph GraphOf(const std::vector<RigKeyframe>& keyframes, const LoopOptions& options) {
   PoseGraph graph = WorldGraph();
   std::vector<Rigid3> poses;
+  poses.reserve(keyframes.size());
   for (const RigKeyframe& keyframe : keyframes) poses.push_back(keyframe.odom_from_keyframe);
   graph.vertices[AddKeyframes(keyframes, poses, options, 0, graph)].is_fixed = true;
   return graph;
