@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
-#include <system_error>
 
 #include "core/calibration/basalt_rig.h"
 #include "core/calibration/ocam_file.h"
@@ -8,6 +7,7 @@
 #include "core/calibration/rig_files.h"
 #include "core/calibration/yaml_file.h"
 #include "core/error.h"
+#include "core/files/file.h"
 #include "core/rig.h"
 
 namespace parkade {
@@ -171,8 +171,7 @@ cv::Mat ReadMask(const YamlNode& camera, const path& folder) {
   const YamlNode node = camera.At("mask");
   const path file = FileAt(node, folder);
   cv::Mat mask;
-  if (std::error_code not_a_name; std::filesystem::is_regular_file(file, not_a_name))
-    mask = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+  if (IsFile(file)) mask = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
   Require(!mask.empty(), ErrorCode::kInvalidInput,
           node.where() + ": '" + node.Text() + "' is not a readable image");
   return mask;

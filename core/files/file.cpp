@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cerrno>
 #include <fstream>
+#include <system_error>
 
 #include "core/error.h"
 #include "core/files/appended_file.h"
@@ -69,6 +70,11 @@ void WriteFileAtomically(const std::filesystem::path& file, std::string_view con
     written.Append(content);
     written.Flush();
   });
+}
+
+bool IsFile(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
 }
 
 std::string ReadFile(const std::filesystem::path& file, std::size_t max_bytes) {

@@ -21,6 +21,9 @@ void WriteFileAtomically(const std::filesystem::path& file,
 /// Copies a file, even a read-only one, to one that can be written to. Throws as ThrowErrno.
 void CopyToWrite(const std::filesystem::path& from, const std::filesystem::path& to);
 
+/// Whether a regular file is there; a name that no file can have is none. Never throws.
+bool IsFile(const std::filesystem::path& path);
+
 /// Returns the whole content. Throws Error{kNotFound}, or Error{kInvalidInput} for a folder and
 /// above `max_bytes`.
 std::string ReadFile(const std::filesystem::path& file,

@@ -12,7 +12,7 @@ struct RefinementOptions {
   int min_observations = 4;  ///< of a track that becomes a landmark
   double bearing_inflation =
       2.45;  ///< of the sigma that odometry found, whose estimator weighs bearings alike
-  int max_iterations = 10;  ///< of each of the two or three solves
+  int max_iterations = 10;  ///< of each of the solves: two, and a third where it is taken
   int min_nodes = 100;      ///< fewer: the odometry's window has seen nearly all of them at once
   int max_nodes = 3000;  ///< adjusted at once, some 0.9 GB; longer drives in pieces (SolveInPieces)
   double held_out_share = 0.2;  ///< of tracks and loops, which judge the result before they join it

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <fstream>
 #include <set>
-#include <system_error>
 
 #include "core/error.h"
 #include "core/files/file.h"
@@ -134,10 +133,8 @@ std::unique_ptr<MessageSource> OpenFolder(const fs::path& folder, const fs::path
     const std::array<std::string, 3> candidates = {name, name + ".zstd",
                                                    fs::path(name).stem().string()};
     const auto found =
-        std::find_if(candidates.begin(), candidates.end(), [&](const std::string& candidate) {
-          std::error_code not_a_name;
-          return fs::is_regular_file(folder / candidate, not_a_name);
-        });
+        std::find_if(candidates.begin(), candidates.end(),
+                     [&](const std::string& candidate) { return IsFile(folder / candidate); });
     if (found != candidates.end()) {
       names.push_back(*found);
     } else {

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "core/error.h"
+#include "core/files/file.h"
 
 namespace parkade {
 namespace {
@@ -11,11 +12,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char *kCamera = "cam", *kKittiCamera = "image_", *kKittiStamps = "timestamps.txt";
-
-bool IsFile(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored);
-}
 
 std::vector<fs::path> SortedFolders(const fs::path& folder) {
   std::vector<fs::path> folders;

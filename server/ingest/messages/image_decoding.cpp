@@ -8,7 +8,6 @@
 #include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <system_error>
 
 #include "core/error.h"
 #include "core/files/file.h"
@@ -233,7 +232,7 @@ DecodedImage DecodeMessageImage(const RawMessage& message, const SensorStream& s
   try {
     if (stream.encoding == MessageEncoding::kEuroc) {
       const std::filesystem::path file = PathOf(message);
-      if (std::error_code not_a_name; !std::filesystem::is_regular_file(file, not_a_name))
+      if (!IsFile(file))
         return Damaged("there is no file " + file.filename().string().substr(0, 40));
       const std::string content = ReadFile(file, kMaxFileSize);
       return DecodeCompressed(
