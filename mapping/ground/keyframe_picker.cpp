@@ -10,8 +10,12 @@ constexpr double kSameImage = 0.002;  // [s] a mask may be stamped this far from
 }  // namespace
 
 KeyframePicker::KeyframePicker(const Trajectory& odom_from_body, size_t num_cameras, double stretch,
-                               double turn)
-    : odom_from_body_(&odom_from_body), stretch_(stretch), turn_(turn), cameras_(num_cameras) {}
+                               double turn, const RepeatedPasses* repeated)
+    : odom_from_body_(&odom_from_body),
+      repeated_(repeated),
+      stretch_(stretch),
+      turn_(turn),
+      cameras_(num_cameras) {}
 
 bool KeyframePicker::Wants(int camera_index, Timestamp time) {
   Camera& camera = cameras_[static_cast<size_t>(camera_index)];
@@ -19,7 +23,8 @@ bool KeyframePicker::Wants(int camera_index, Timestamp time) {
   if (camera.last && time < camera.last->time) return false;
   const std::optional<Rigid3> pose = odom_from_body_->At(time);
   if (!pose) return false;
-  camera.last = Image{time, *pose, IsStretchOver(camera, *pose)};
+  const bool is_repeated = repeated_ && repeated_->Contains(time);
+  camera.last = Image{time, *pose, !is_repeated && IsStretchOver(camera, *pose)};
   if (camera.last->is_chosen) camera.last_chosen = camera.last;
   return camera.last->is_chosen;
 }

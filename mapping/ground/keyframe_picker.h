@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/trajectory.h"
+#include "mapping/ground/repeated_passes.h"
 
 namespace parkade {
 
@@ -17,7 +18,9 @@ class KeyframePicker {
   /// The trajectory is borrowed.
   /// \param stretch  [m] of travel
   /// \param turn     [rad], or so much turning
-  KeyframePicker(const Trajectory& odom_from_body, size_t num_cameras, double stretch, double turn);
+  /// \param repeated  where none is taken; borrowed, may be null
+  KeyframePicker(const Trajectory& odom_from_body, size_t num_cameras, double stretch, double turn,
+                 const RepeatedPasses* repeated = nullptr);
 
   /// False outside the trajectory.
   bool Wants(int camera, Timestamp time);
@@ -34,6 +37,7 @@ class KeyframePicker {
   bool IsStretchOver(const Camera& camera, const Rigid3& odom_from_body) const;
 
   const Trajectory* odom_from_body_;
+  const RepeatedPasses* repeated_;
   double stretch_, turn_;
   std::vector<Camera> cameras_;
 };

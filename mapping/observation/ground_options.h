@@ -14,6 +14,7 @@ struct GroundOptions {
   double keyframe_distance =
       1.2;  ///< [m] of travel between images used of one camera; less is slower, denser
   double keyframe_angle_deg = 10.0;  ///< or this much turning
+  int passes = 2;  ///< of one place in one direction whose images are looked at; 0: of all
   bool use_semantics =
       true;  ///< masks of the log (`<camera>/semantic`) go before what we find ourselves
   std::string method =
@@ -25,6 +26,10 @@ struct GroundOptions {
 
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
+    visit("passes", passes,
+          OptionAbout{"Where a drive comes by again and again in one direction, images of so many "
+                      "passes are looked at; 0: of all.",
+                      "", 0, 1000});
     visit("use_semantics", use_semantics, OptionAbout{"Masks of the log replace the network's."});
     visit("method", method,
           OptionAbout{"Drivable ground is found by the network (\"network\") or by its colors "

@@ -140,8 +140,9 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
   if (!rig.vehicle) LogPlane(log.name(), *body_from_ground);
   const std::vector<GroundGrid> grids = MakeGrids(rig, *body_from_ground, options, result.warnings);
 
+  const RepeatedPasses repeated(odom_from_body, options.passes);
   KeyframePicker picker(odom_from_body, rig.cameras.size(), options.keyframe_distance,
-                        options.keyframe_angle_deg * std::numbers::pi / 180);
+                        options.keyframe_angle_deg * std::numbers::pi / 180, &repeated);
   ReadOptions read{.imu = false,
                    .wheels = false,
                    .gnss = false,

@@ -104,8 +104,8 @@ TEST(CholeskySolver, FactorizesAnewWhatIsNotSimilar) {
 
 TEST(CholeskySolver, GivesColumnsOfTheInverse) {
   const Eigen::SparseMatrix<double> matrix = GridMatrix(12);
-  std::vector<int> columns;  // more than are solved for at a time
-  for (int i = 0; i < 70; ++i) columns.push_back((37 * i) % 144);
+  std::vector<int> columns(70);  // more than are solved for at a time
+  for (size_t i = 0; i < columns.size(); ++i) columns[i] = static_cast<int>((37 * i) % 144);
   const Eigen::MatrixXd some = CholeskySolver().InverseColumns(matrix, columns);
 
   const Eigen::MatrixXd dense = Eigen::MatrixXd(matrix).selfadjointView<Eigen::Lower>();
