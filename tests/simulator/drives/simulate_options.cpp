@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "tests/simulator/layouts/place_look.h"
+#include "tests/simulator/layouts/slot_marks.h"
 
 namespace parkade::simulator {
 
@@ -21,6 +22,7 @@ void SimulateOptions::Validate() const {
   Require(semantic_kind == "drivable" || semantic_kind == "level" || semantic_kind == "classes",
           ErrorCode::kUsage, "semantic_kind must be drivable, level or classes");
   LookOf(looks, 1);
+  SlotMarksOf(slot_marks);
   drive.Validate();
   rig.Validate();
   sensors.Validate();
@@ -38,6 +40,7 @@ SceneOptions SimulateOptions::OfScene() const {
   scene_options.speed_bumps = speed_bumps;
   scene_options.weather = weather;
   scene_options.looks = looks;
+  scene_options.slot_marks = slot_marks;
   scene_options.sun_elevation = sun_elevation;
   scene_options.has_own_car = has_own_car;
   return scene_options;

@@ -20,6 +20,7 @@ struct SimulateOptions {
   int day = 0;          ///< of the place: other parked cars, other light
   std::string weather;  ///< dry, overcast, wet, dusk; empty: as the day wants it
   std::string looks = "classic";           ///< of what the ground is made (LookOf)
+  std::string slot_marks = "usual";        ///< of a lot or street; also tees, corners (SlotMarks)
   double sun_elevation = 0;                ///< [degrees] 5 to 90; 0: as the place wants it
   bool has_own_car = true;                 ///< false: images show neither it nor its shadow
   int speed_bumps = 0;                     ///< of a lot, at most 4
@@ -44,6 +45,7 @@ struct SimulateOptions {
     visit("day", day);
     visit("weather", weather);
     visit("looks", looks);
+    visit("slot_marks", slot_marks);
     visit("sun_elevation", sun_elevation);
     visit("has_own_car", has_own_car);
     visit("speed_bumps", speed_bumps);

@@ -15,12 +15,16 @@ Vector2d InAnySlot(const LotLayout& layout, Random& random) {
   return slot.center + Vector2d(random.Uniform(-0.6, 0.6), random.Uniform(-1.5, 1.5));
 }
 
-/// Slot lines, arrows and stop lines.
-void Mark(const LotLayout& layout, GroundPainter& painter) {
+/// Slot lines or their marks, arrows and stop lines.
+void Mark(const LotLayout& layout, SlotMarks marks, GroundPainter& painter) {
   for (const Rectangle& slot : layout.slots) {
+    const Vector2d into(std::cos(slot.yaw), std::sin(slot.yaw)), across(-into.y(), into.x());
+    if (marks != SlotMarks::kUsual) {
+      MarkSlot(slot, into, marks, painter);
+      continue;
+    }
     const float wear = static_cast<float>(painter.random().Uniform(0.15, 0.5));
     for (const double side : {-1.0, 1.0}) {
-      const Vector2d into(std::cos(slot.yaw), std::sin(slot.yaw)), across(-into.y(), into.x());
       const Vector2d middle = slot.center + side * slot.half_size.y() * across;
       painter.Line(middle - slot.half_size.x() * into, middle + slot.half_size.x() * into, 0.11,
                    wear);
@@ -80,7 +84,7 @@ void MarkStrip(const LotLayout& layout, double strip, GroundPainter& painter) {
 }  // namespace
 
 GroundCanvas PaintLot(const LotLayout& layout, const RoadLook& road, double texel_size,
-                      std::uint64_t seed) {
+                      std::uint64_t seed, SlotMarks marks) {
   GroundCanvas canvas(Vector2d::Zero(), Vector2d(layout.length, layout.width), texel_size);
   const double area = layout.length * layout.width;
   const auto per_area = [&](double square_meters) {
@@ -91,7 +95,7 @@ GroundCanvas PaintLot(const LotLayout& layout, const RoadLook& road, double texe
   painter.Patches(per_area(90));
   painter.Cracks(per_area(45));
   painter.Stains(per_area(14), [&] { return InAnySlot(layout, painter.random()); });
-  Mark(layout, painter);
+  Mark(layout, marks, painter);
   MarkBumps(layout, painter);
   for (int i = 0; i < per_area(350); ++i) {
     const double x = painter.random().Uniform(2, layout.length - 2);
@@ -117,7 +121,7 @@ GroundCanvas PaintDeck(const LotLayout& layout, double strip, double texel_size,
   painter.Stains(per_area(6), [&] { return InAnySlot(layout, painter.random()); });
   const auto anywhere = [&] { return painter.Anywhere(); };
   painter.Stains(per_area(12), anywhere);
-  Mark(layout, painter);
+  Mark(layout, SlotMarks::kUsual, painter);
   MarkDeck(layout, painter, 100 * (deck + 1) + 1);
   MarkStrip(layout, strip, painter);
   painter.Litter(per_area(1.5));

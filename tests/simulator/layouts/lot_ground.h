@@ -5,13 +5,14 @@
 #include "tests/simulator/ground/ground_canvas.h"
 #include "tests/simulator/ground/road_look.h"
 #include "tests/simulator/layouts/lot_layout.h"
+#include "tests/simulator/layouts/slot_marks.h"
 
 namespace parkade::simulator {
 
 /// The asphalt of a car park: worn and patched, with cracks, stains, lines,
 /// arrows, manholes and litter here, and large plain areas there.
 GroundCanvas PaintLot(const LotLayout& layout, const RoadLook& road, double texel_size,
-                      std::uint64_t seed);
+                      std::uint64_t seed, SlotMarks marks = SlotMarks::kUsual);
 
 /// The sealed concrete of a garage's deck that has the plan of a lot, with numbers of slots
 /// from 100 * (deck + 1) + 1 on, and `strip` [m] more to the north.

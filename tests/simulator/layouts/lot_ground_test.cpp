@@ -38,5 +38,29 @@ TEST(LotGround, NoDeckHasTheFloorOfAnother) {
   EXPECT_LT(std::abs(CorrelationOf(floor, deck(4, 0), aisle)), 0.3) << "of the next seed's";
 }
 
+TEST(LotGround, TeesMarkTheEntrancesOfSlotsAlone) {
+  const LotLayout layout = PlanLot(3, 0);
+  constexpr double kTexel = 0.04;
+  const GroundCanvas lines = PaintLot(layout, {}, kTexel, 3),
+                     tees = PaintLot(layout, {}, kTexel, 3, SlotMarks::kTees);
+  double at_middle[2] = {0, 0}, at_bar[2] = {0, 0};  // mean luminance
+  for (const Rectangle& slot : layout.slots) {
+    const Eigen::Vector2d into(std::cos(slot.yaw), std::sin(slot.yaw)), across(-into.y(), into.x());
+    const Eigen::Vector2d side = slot.center + slot.half_size.y() * across,
+                          bar = side - slot.half_size.x() * into - 0.3 * across;
+    for (const int i : {0, 1}) {
+      const GroundCanvas& ground = i == 0 ? lines : tees;
+      const auto at = [&](const Eigen::Vector2d& place) {
+        return static_cast<double>(Luminance(ground.Sample(static_cast<float>(place.x()),
+                                                           static_cast<float>(place.y()), 0.05f))) /
+               static_cast<double>(layout.slots.size());
+      };
+      at_middle[i] += at(side), at_bar[i] += at(bar);
+    }
+  }
+  EXPECT_GT(at_middle[0], 2 * at_middle[1]);
+  EXPECT_GT(at_bar[1], 2 * at_bar[0]);
+}
+
 }  // namespace
 }  // namespace parkade::simulator

@@ -18,9 +18,10 @@ struct SceneOptions {
   int speed_bumps = 0;         ///< of a lot, at most 4
   int day = 0;                 ///< other parked cars and other light at the same place
   std::string weather = "";  ///< dry, overcast, wet, dusk; empty: as the day wants it, dry on day 0
-  std::string looks = "classic";  ///< of what the ground is made (LookOf)
-  double sun_elevation = 0;       ///< [degrees]; 0: as the place wants it
-  bool has_own_car = true;        ///< false: neither it nor its shadow is to be seen
+  std::string looks = "classic";     ///< of what the ground is made (LookOf)
+  std::string slot_marks = "usual";  ///< also tees, corners (SlotMarks)
+  double sun_elevation = 0;          ///< [degrees]; 0: as the place wants it
+  bool has_own_car = true;           ///< false: neither it nor its shadow is to be seen
 };
 
 enum class Weather { kDry, kOvercast, kWet, kDusk };

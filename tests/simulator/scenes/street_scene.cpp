@@ -5,6 +5,7 @@
 
 #include "tests/simulator/ground/ground_painter.h"
 #include "tests/simulator/layouts/props.h"
+#include "tests/simulator/layouts/slot_marks.h"
 #include "tests/simulator/layouts/street_layout.h"
 #include "tests/simulator/layouts/street_place.h"
 
@@ -14,8 +15,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Lines of lanes, parking strips, crossings and arrows along one street.
-void MarkStreet(const StreetLayout& layout, const RoadField::Line& line, GroundPainter& painter) {
+/// Lines of lanes, crossings and arrows along one street, and of parking strips where slots have no
+/// marks.
+void MarkStreet(const StreetLayout& layout, const RoadField::Line& line, SlotMarks marks,
+                GroundPainter& painter) {
   for (size_t i = 2; i + 3 < line.size(); ++i) {
     const Vector2d along = (line[i + 1] - line[i]).normalized(), left(-along.y(), along.x());
     const auto is_near = [&](const Vector2d& place, double reach) {
@@ -28,7 +31,7 @@ void MarkStreet(const StreetLayout& layout, const RoadField::Line& line, GroundP
       is_crossing = is_crossing || is_near(crossing.center, 4);
     if (is_junction || is_crossing) continue;
     if (i % 9 < 4) painter.Line(line[i], line[i + 1], 0.12, 0.3f);
-    if (i % 2 == 0)
+    if (i % 2 == 0 && marks == SlotMarks::kUsual)
       for (const double side : {-3.3, 3.3})
         painter.Line(line[i] + side * left, line[i] + side * left + 0.8 * along, 0.1, 0.4f);
     if (i % 67 == 30) {
@@ -38,8 +41,8 @@ void MarkStreet(const StreetLayout& layout, const RoadField::Line& line, GroundP
   }
 }
 
-GroundCanvas PaintStreet(const StreetLayout& layout, const RoadLook& road, double texel,
-                         std::uint64_t seed) {
+GroundCanvas PaintStreet(const StreetLayout& layout, const RoadLook& road, SlotMarks marks,
+                         double texel, std::uint64_t seed) {
   const Vector2d min = layout.field.min(), max = layout.field.max();
   GroundCanvas canvas(min, max, texel);
   GroundPainter painter(max - min, canvas, seed);
@@ -53,8 +56,10 @@ GroundCanvas PaintStreet(const StreetLayout& layout, const RoadLook& road, doubl
   painter.Patches(150, anywhere);
   painter.Cracks(260, anywhere);
   painter.Stains(500, anywhere, anywhere);
-  MarkStreet(layout, layout.loop, painter);
-  MarkStreet(layout, layout.cross, painter);
+  MarkStreet(layout, layout.loop, marks, painter);
+  MarkStreet(layout, layout.cross, marks, painter);
+  for (const Rectangle& slot : layout.slots)
+    MarkSlot(slot, {std::sin(slot.yaw), -std::cos(slot.yaw)}, marks, painter);
   for (const Rectangle& crossing : layout.crossings) {
     const Vector2d along(std::cos(crossing.yaw), std::sin(crossing.yaw)),
         left(-along.y(), along.x());
@@ -229,8 +234,8 @@ Scene BuildStreet(const SceneOptions& options) {
               .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather,
                          options.sun_elevation)};
   scene.ground = MakeRoad(layout, scene.place.ground);
-  scene.ground_colors.push_back(
-      PaintStreet(layout, look.road, kCoarser * options.ground_texel, options.seed));
+  scene.ground_colors.push_back(PaintStreet(layout, look.road, SlotMarksOf(options.slot_marks),
+                                            kCoarser * options.ground_texel, options.seed));
   Props props(scene.place.ground, options.seed, weather == Weather::kDusk, look, scene.materials);
   StreetFurnisher furnisher(layout, props);
   furnisher.Land();
