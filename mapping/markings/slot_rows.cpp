@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "mapping/ground/quadrilateral.h"
+#include "mapping/markings/corner_marks.h"
 #include "mapping/markings/row_layout.h"
 #include "mapping/markings/slot_row_growth.h"
 
@@ -203,6 +204,9 @@ std::vector<PlanarSlot> FindSlotRows(const std::vector<PaintLine>& lines,
     is_used_behind[i] = is_used[i] || lines[i].Length() > options.behind.max_length;
   FindSlotsOf(lines, {.measures = options.behind, .is_parallel = true}, options, is_bare,
               is_used_behind, slots);
+  const std::vector<PlanarSlot> at_marks =
+      FindSlotsAtMarks(lines, is_used, beside.usual_length, options);
+  slots.insert(slots.end(), at_marks.begin(), at_marks.end());
   // Where parked cars, or what is taken for them, reach up to every line, none has two sides.
   std::vector<PaintLine> edges = lines;
   for (std::size_t i = 0; i < edges.size(); ++i) {

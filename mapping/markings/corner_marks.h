@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "mapping/markings/slot_rows.h"
+
+namespace parkade {
+
+/// Slots of which only corners are painted: as a T between two neighbors, a bar along the aisle and
+/// a stem into the row, or as angles. Three marks or more in line, turned alike, at one pitch are a
+/// row, perpendicular (SlotRowOptions::beside) or parallel (behind). Marks tell where slots begin
+/// and how wide they are; they are as deep as is usual. Of a slot only seen marks are corners: a
+/// missing one follows from the row. O(lines^2). Deterministic.
+/// \param is_used       lines of other rows
+/// \param usual_length  [m] of perpendicular slots
+std::vector<PlanarSlot> FindSlotsAtMarks(const std::vector<PaintLine>& lines,
+                                         const std::vector<bool>& is_used, double usual_length,
+                                         const SlotRowOptions& options);
+
+}  // namespace parkade
