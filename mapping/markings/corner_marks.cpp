@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kLongest = 1.8;    // [m] of a stem or a bar
+constexpr double kLongest = 1.8;    // [m] of a stem; bars of neighbors may join
 constexpr double kShortest = 0.45;  // [m] of a stem, from the middle of its bar
 constexpr double kTouch = 0.25;     // [m] between a stem's end, or its bar's, and where both meet
 constexpr double kSquare_deg = 8;   // by which their angle may differ from a right one
@@ -22,6 +22,7 @@ constexpr double kInLine = 0.3;     // [m] between a row's line and its marks ..
 constexpr double kBend = 0.015;     // ... and of the distance along it
 constexpr double kMaxHeightStep = 1.2;  // [m] between lines of one deck
 constexpr double kSame = 0.35;          // [m] between marks of one corner, as neighbors paint it
+constexpr double kApart = 1;            // [m] between slots side by side
 constexpr double kTolerance = 0.1;      // of the pitch, of a distance between marks
 constexpr std::size_t kMinMarks = 3;    // of a row
 constexpr double kSureRow = 0.85, kRow = 0.7;  // confidence of slots between neighbors in rows of
@@ -36,9 +37,7 @@ struct Mark {
 
 /// The mark of two lines, one of which is the stem.
 std::optional<Mark> MarkOf(const PaintLine& stem, const PaintLine& bar) {
-  if (std::abs(stem.height - bar.height) > kMaxHeightStep ||
-      (stem.Middle() - bar.Middle()).norm() > kLongest)
-    return {};
+  if (std::abs(stem.height - bar.height) > kMaxHeightStep) return {};
   const Vector2d along = stem.Direction(), across = bar.Direction();
   if (std::abs(along.dot(across)) > std::sin(kSquare_deg * std::numbers::pi / 180)) return {};
   const double determinant = along.x() * across.y() - along.y() * across.x();
@@ -54,19 +53,21 @@ std::optional<Mark> MarkOf(const PaintLine& stem, const PaintLine& bar) {
   return Mark{stem.begin + on_stem * along, is_at_begin ? along : Vector2d(-along), stem.height};
 }
 
+/// Of what is paint for sure: the edges of cars and shadows meet at right angles, too.
 std::vector<Mark> FindMarks(const std::vector<PaintLine>& lines, const std::vector<bool>& is_used) {
-  std::vector<const PaintLine*> strokes;
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    if (!is_used[i] && lines[i].Length() <= kLongest) strokes.push_back(&lines[i]);
+  const auto is_paint = [&](std::size_t i) { return !is_used[i] && !lines[i].is_one_sided; };
   std::vector<Mark> marks;
-  for (const PaintLine* stem : strokes)
-    for (const PaintLine* bar : strokes)
-      if (const std::optional<Mark> mark = stem == bar ? std::nullopt : MarkOf(*stem, *bar)) {
-        const bool is_known = std::any_of(marks.begin(), marks.end(), [&](const Mark& other) {
-          return (other.corner - mark->corner).norm() < kSame && other.into.dot(mark->into) > 0.9;
-        });
-        if (!is_known) marks.push_back(*mark);
-      }
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (!is_paint(i) || lines[i].Length() > kLongest) continue;
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      if (i == k || !is_paint(k)) continue;
+      const std::optional<Mark> mark = MarkOf(lines[i], lines[k]);
+      const auto is_same = [&](const Mark& other) {
+        return (other.corner - mark->corner).norm() < kSame && other.into.dot(mark->into) > 0.9;
+      };
+      if (mark && std::none_of(marks.begin(), marks.end(), is_same)) marks.push_back(*mark);
+    }
+  }
   return marks;
 }
 
@@ -98,15 +99,28 @@ Rank RankOf(const std::vector<Mark>& marks, const Mark& seed) {
   return rank;
 }
 
-/// [m] between neighbors, as most of them have it.
+/// [m] between neighbors, as most marks of a rank have it.
 std::optional<double> PitchOf(const Rank& rank, const SlotMeasures& measures) {
   std::vector<double> distances;
-  for (std::size_t i = 1; i < rank.places.size(); ++i)
-    if (const double distance = rank.places[i] - rank.places[i - 1];
-        distance >= measures.min_pitch && distance <= measures.max_pitch)
-      distances.push_back(distance);
-  if (distances.empty()) return {};
-  return Median(std::move(distances));
+  for (std::size_t i = 0; i < rank.places.size(); ++i)
+    for (std::size_t k = i + 1; k < rank.places.size(); ++k)
+      if (const double distance = rank.places[k] - rank.places[i]; distance > measures.max_pitch)
+        break;
+      else if (distance >= measures.min_pitch)
+        distances.push_back(distance);
+  std::sort(distances.begin(), distances.end());
+  double best = 0;
+  std::ptrdiff_t most = 0;
+  for (std::size_t i = 0; i < distances.size(); ++i) {
+    const auto end =
+        std::upper_bound(distances.begin(), distances.end(), distances[i] * (1 + kTolerance));
+    const std::ptrdiff_t count = end - distances.begin() - static_cast<std::ptrdiff_t>(i);
+    if (count <= most) continue;
+    most = count;
+    best = distances[i + static_cast<std::size_t>(count) / 2];
+  }
+  if (most == 0) return {};
+  return best;
 }
 
 /// How many slots lie between two places; 0 where the pitch does not fit.
@@ -115,6 +129,23 @@ int SlotsBetween(double distance, double pitch, int max_missing) {
   const bool fits = count >= 1 && count <= 1 + max_missing &&
                     std::abs(distance - count * pitch) < kTolerance * pitch * std::sqrt(count);
   return fits ? count : 0;
+}
+
+/// The mark that follows one in a row, and how many slots lie between the two.
+struct Next {
+  std::size_t mark = 0;
+  int slots = 0;  ///< 0: none follows
+};
+
+/// The nearest that the pitch fits. Between may be marks of slots that stand apart, but no others.
+Next NextOf(const Rank& rank, std::size_t mark, double pitch, int max_missing, bool is_forward) {
+  const auto count = rank.places.size();
+  for (std::size_t i = mark; is_forward ? ++i < count : i-- > 0;) {
+    const double distance = std::abs(rank.places[i] - rank.places[mark]);
+    if (const int slots = SlotsBetween(distance, pitch, max_missing)) return {i, slots};
+    if (std::abs(distance - std::round(distance / pitch) * pitch) > kApart) return {};
+  }
+  return {};
 }
 
 PlanarSlot SlotBetween(const Mark& left, const Mark& right, double begin, double end,
@@ -138,34 +169,32 @@ std::vector<const Mark*> AddRow(const std::vector<Mark>& marks, const Mark& seed
   const Rank rank = RankOf(marks, seed);
   const std::optional<double> pitch = PitchOf(rank, measures);
   if (!pitch) return {};
-  const auto follows = [&](std::size_t i) {
-    return SlotsBetween(rank.places[i] - rank.places[i - 1], *pitch, options.max_missing);
-  };
-  std::size_t first = static_cast<std::size_t>(
-      std::find(rank.marks.begin(), rank.marks.end(), &seed) - rank.marks.begin());
-  if (first == rank.marks.size()) return {};
-  std::size_t last = first;
-  while (first > 0 && follows(first) > 0) --first;
-  while (last + 1 < rank.marks.size() && follows(last + 1) > 0) ++last;
-  const std::size_t count = last - first + 1;
-  if (count < kMinMarks) return {};
-  for (std::size_t i = first + 1; i <= last; ++i) {
-    const int between = follows(i);
-    for (int k = 0; k < between; ++k) {
-      PlanarSlot slot =
-          SlotBetween(*rank.marks[i - 1], *rank.marks[i], static_cast<double>(k) / between,
-                      static_cast<double>(k + 1) / between, depth);
+  const auto found = std::find(rank.marks.begin(), rank.marks.end(), &seed);
+  if (found == rank.marks.end()) return {};
+  auto first = static_cast<std::size_t>(found - rank.marks.begin());
+  for (Next next; (next = NextOf(rank, first, *pitch, options.max_missing, false)).slots > 0;)
+    first = next.mark;
+  std::vector<const Mark*> row = {rank.marks[first]};
+  std::vector<int> between;
+  for (Next next{first, 0};
+       (next = NextOf(rank, next.mark, *pitch, options.max_missing, true)).slots > 0;) {
+    row.push_back(rank.marks[next.mark]);
+    between.push_back(next.slots);
+  }
+  if (row.size() < kMinMarks) return {};
+  for (std::size_t i = 0; i < between.size(); ++i)
+    for (int k = 0; k < between[i]; ++k) {
+      PlanarSlot slot = SlotBetween(*row[i], *row[i + 1], static_cast<double>(k) / between[i],
+                                    static_cast<double>(k + 1) / between[i], depth);
       slot.kind = is_parallel ? SlotKind::kParallel : SlotKind::kPerpendicular;
       slot.angle = is_parallel ? 0 : 0.5 * std::numbers::pi;
-      slot.num_marked_sides = (k == 0) + (k + 1 == between);
+      slot.num_marked_sides = (k == 0) + (k + 1 == between[i]);
       slot.confidence =
-          (count >= kSureMarks ? kSureRow : kRow) - kPerHidden * (2 - slot.num_marked_sides);
+          (row.size() >= kSureMarks ? kSureRow : kRow) - kPerHidden * (2 - slot.num_marked_sides);
       if (slot.num_marked_sides > 0 && slot.confidence >= options.min_confidence)
         slots.push_back(slot);
     }
-  }
-  return {rank.marks.begin() + static_cast<std::ptrdiff_t>(first),
-          rank.marks.begin() + static_cast<std::ptrdiff_t>(last) + 1};
+  return row;
 }
 
 }  // namespace
@@ -175,15 +204,14 @@ std::vector<PlanarSlot> FindSlotsAtMarks(const std::vector<PaintLine>& lines,
                                          const SlotRowOptions& options) {
   const std::vector<Mark> marks = FindMarks(lines, is_used);
   std::vector<PlanarSlot> slots;
-  for (const bool is_parallel : {false, true}) {
-    std::vector<const Mark*> done;
+  std::vector<const Mark*> done;
+  for (const bool is_parallel : {false, true})
     for (const Mark& mark : marks) {
       if (std::find(done.begin(), done.end(), &mark) != done.end()) continue;
       const double depth = is_parallel ? options.behind.usual_length : usual_length;
       const std::vector<const Mark*> row = AddRow(marks, mark, depth, is_parallel, options, slots);
       done.insert(done.end(), row.begin(), row.end());
     }
-  }
   return slots;
 }
 

@@ -128,12 +128,13 @@ std::optional<RowLayout> FitRowLayout(const SlotRow& row, const SlotMeasures& me
     if (std::max(lower->num_seen, upper->num_seen) < 3) return {};
     (lower->num_seen >= upper->num_seen ? upper : lower).reset();
   }
-  if (is_parallel || (!lower && !upper)) return {};
+  if (!lower && !upper) return {};
   if (const std::optional<RowEnds> wall = EndsAtWall(row, !lower, (lower ? lower : upper)->slope)) {
     RowLayout ranks{lower ? *lower : *wall, upper ? *upper : *wall};
     ranks.is_lower_known = lower.has_value(), ranks.is_upper_known = upper.has_value();
     if (CountRanks(LengthBetween(ranks.lower, ranks.upper, row.pitch), measures) == 1) return ranks;
   }
+  if (is_parallel) return {};
   return lower ? ContinueFrom(row, *lower, true, habits.length)
                : ContinueFrom(row, *upper, false, habits.length);
 }

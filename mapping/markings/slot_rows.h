@@ -35,7 +35,7 @@ using IsBareGround = std::function<bool(const Eigen::Vector2d& place, double hei
 /// surer ones remain. Where bare ground is seen instead of a third of a row's paint, slots beside
 /// lines that are not there are none. Lines with an unseen side (PaintLine::is_one_sided) continue
 /// a row; alone they are one where four or more end on one straight line, all of them or two whole
-/// ones. O(lines^2). Deterministic.
+/// ones. Where corners alone are painted, see FindSlotsAtMarks. O(lines^2). Deterministic.
 std::vector<PlanarSlot> FindSlotRows(const std::vector<PaintLine>& lines,
                                      const SlotRowOptions& options = {},
                                      const IsBareGround& is_bare = {});

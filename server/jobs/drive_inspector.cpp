@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/files/foreign_json.h"
 #include "core/log.h"
 #include "server/jobs/last_sentence.h"
 #include "server/jobs/worker_process.h"
@@ -38,7 +39,8 @@ std::string Joined(const nlohmann::json& sentences) {
 /// What the process left. Its own state says how much can be read; without a rig, say, all of it
 /// can, and no map can be made.
 DriveInspection UnderstandInspection(const fs::path& file, const std::string& filename) {
-  nlohmann::json json = nlohmann::json::parse(ReadWorkersFile(file, kMaxBytes));
+  nlohmann::json json = ParseForeignJson(ReadWorkersFile(file, kMaxBytes));
+  Require(json.is_object(), ErrorCode::kInternal, "the inspection left no JSON");
   json["name"] = filename;
   DriveInspection inspection;
   inspection.state = json.at("state");

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "core/files/foreign_json.h"
 #include "server/store/disk/workers_files.h"
 
 namespace parkade {
@@ -67,7 +68,7 @@ bool ProgressReader::Poll() {
 }
 
 bool ProgressReader::Take(const std::string& line) {
-  const nlohmann::json json = nlohmann::json::parse(line, nullptr, /*allow_exceptions=*/false);
+  const nlohmann::json json = ParseForeignJson(line);
   if (!json.is_object()) return false;
   if (const auto stage = TextAt(json, "stage")) latest_.stage = *stage;
   if (const auto error = TextAt(json, "error")) latest_.error = *error;

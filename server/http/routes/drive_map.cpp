@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/files/file.h"
+#include "core/files/foreign_json.h"
 #include "server/store/tables/drive_table.h"
 #include "server/store/tables/map_table.h"
 
@@ -46,7 +47,9 @@ Json ReadJsonOfDrive(const Store& store, const DriveInMap& found, const std::str
           "version " + std::to_string(found.map.version) +
               " was made by an older program, which did not write " + name +
               ": build the map anew");
-  return Json::parse(ReadFile(store.directory.MapFolder(found.map.id) / file));
+  Json json = ParseForeignJson(ReadFile(store.directory.MapFolder(found.map.id) / file));
+  Require(!json.is_discarded(), ErrorCode::kInternal, "'" + file + "' of the map is damaged");
+  return json;
 }
 
 }  // namespace parkade

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/files/foreign_json.h"
 #include "server/http/json_response.h"
 
 namespace parkade {
@@ -40,7 +41,7 @@ Json ReadObject(const httplib::ContentReader& body, std::initializer_list<const 
                 size_t max_bytes) {
   const std::string text = ReadBody(body, max_bytes);
   if (text.empty()) return Json::object();
-  Json object = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  Json object = ParseForeignJson(text);
   RequireObject(object, "the body", known);
   return object;
 }

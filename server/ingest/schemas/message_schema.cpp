@@ -1,22 +1,18 @@
 #include "server/ingest/schemas/message_schema.h"
 
 #include "core/error.h"
+#include "core/files/foreign_json.h"
 
 namespace parkade {
 namespace {
 
-constexpr int kMaxDepth = 64;  // trees are copied and searched by recursion
-
 class JsonSchema : public MessageSchema {
  public:
   MessageTree Decode(std::span<const std::uint8_t> data) const override {
-    const auto is_shallow = [](int depth, MessageTree::parse_event_t, const MessageTree&) {
-      Require(depth <= kMaxDepth, ErrorCode::kInvalidInput, "the message is nested too deeply");
-      return true;
-    };
-    MessageTree tree = MessageTree::parse(data.begin(), data.end(), is_shallow,
-                                          /*allow_exceptions=*/false);
-    Require(!tree.is_discarded(), ErrorCode::kInvalidInput, "the message is not JSON");
+    MessageTree tree =
+        ParseForeignJson(std::string_view(reinterpret_cast<const char*>(data.data()), data.size()));
+    Require(!tree.is_discarded(), ErrorCode::kInvalidInput,
+            "the message is not JSON, or nested too deeply");
     return tree;
   }
 };

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/files/foreign_json.h"
 
 namespace parkade {
 
@@ -20,7 +21,7 @@ size_t PictureTimes::NumberOf(const std::string& camera) const {
 PictureTimes ParsePictureTimes(const std::string& index) {
   try {
     PictureTimes found;
-    const nlohmann::json parsed = nlohmann::json::parse(index);
+    const nlohmann::json parsed = ParseForeignJson(index);
     for (const nlohmann::json& camera : parsed.at("cameras")) {
       PictureTimes::Camera& added = found.cameras.emplace_back();
       added.name = camera.at("name");

@@ -8,6 +8,7 @@
 #include <cerrno>
 
 #include "core/error.h"
+#include "core/files/foreign_json.h"
 #include "server/jobs/last_sentence.h"
 
 namespace parkade {
@@ -90,7 +91,7 @@ Json PictureWorker::Hear(std::chrono::seconds patience) {
         "the process that reads pictures has failed: " + LastSentence(folder_.get() / "log.txt"));
     heard_.append(piece.data(), static_cast<size_t>(count));
   }
-  const Json answer = Json::parse(heard_.substr(0, line_end), nullptr, /*allow_exceptions=*/false);
+  const Json answer = ParseForeignJson(std::string_view(heard_).substr(0, line_end));
   heard_.erase(0, line_end + 1);
   Require(answer.is_object(), ErrorCode::kInternal,
           "the process that reads pictures talks nonsense");

@@ -115,6 +115,32 @@ TEST(CornerMarks, AnglesInAllCornersGiveTheSameSlots) {
   }
 }
 
+TEST(CornerMarks, BarsMayJoinToALine) {
+  const Tees tees;
+  std::vector<PaintLine> lines = tees.Paint({0, 1, 2, 3});
+  std::erase_if(lines, [&](const PaintLine& line) {
+    return std::abs(line.Direction().dot(tees.Along())) > 0.9;
+  });
+  lines.push_back(Stroke(tees.Corner(0), tees.Corner(3)));
+
+  EXPECT_EQ(Find(lines).size(), 3U);
+}
+
+TEST(CornerMarks, SlotsMayStandApart) {
+  const Tees left{.pitch = 6.3}, right{.start = left.Corner(0) - 0.4 * left.Along(), .pitch = 6.3};
+  std::vector<PaintLine> lines = left.Paint({0, 1, 2, 3});
+  for (const int i : {1, 2, 3}) right.Paint(i, lines);
+  const std::vector<PlanarSlot> slots = Find(lines);
+
+  ASSERT_GE(slots.size(), 3U);
+  for (int i = 0; i < 3; ++i) {
+    const auto covers = [&](const PlanarSlot& slot) {
+      return OverlapOf(slot.corners, left.Slot(i, 2.0)) > 0.85;
+    };
+    EXPECT_TRUE(std::any_of(slots.begin(), slots.end(), covers)) << i;
+  }
+}
+
 TEST(CornerMarks, RowsAcrossAnAisleAreTwo) {
   const Tees row,
       opposite{.start = Vector2d(3, -2) + 10.0 * Vector2d(std::cos(0.3), std::sin(0.3)) -
@@ -149,6 +175,12 @@ TEST(CornerMarks, StemsWithoutBarsAndLongLinesAreNone) {
   for (PaintLine& line : lined)
     if (std::abs(line.Direction().dot(tees.Into())) > 0.9) line.end = line.begin + 5 * tees.Into();
   EXPECT_TRUE(Find(lined).empty()) << "whole lines are for FindSlotRows";
+}
+
+TEST(CornerMarks, EdgesOfCarsAndShadowsAreNoPaint) {
+  std::vector<PaintLine> lines = Tees().Paint({0, 1, 2, 3});
+  for (PaintLine& line : lines) line.is_one_sided = true;
+  EXPECT_TRUE(Find(lines).empty());
 }
 
 TEST(CornerMarks, StrokesAtRandomMakeHardlyARow) {

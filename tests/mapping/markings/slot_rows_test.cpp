@@ -158,6 +158,18 @@ TEST(SlotRows, ShortLinesFarApartBoundParallelSlots) {
   for (const PlanarSlot& slot : slots) EXPECT_EQ(slot.kind, SlotKind::kParallel);
 }
 
+/// No ground is seen behind a kerb, so nobody sees that lines end there.
+TEST(SlotRows, ParallelSlotsMayEndAtAKerb) {
+  PaintedRow row;
+  row.pitch = 6, row.length = 2.1;
+  std::vector<PaintLine> lines = row.Lines(5);
+  for (PaintLine& line : lines) line.is_end_seen = false;
+  EXPECT_EQ(FindSlotRows(lines).size(), 4U);
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    lines[i].end -= 0.25 * static_cast<double>(i) * row.Inward();
+  EXPECT_TRUE(FindSlotRows(lines).empty()) << "their ends have nothing in common";
+}
+
 TEST(SlotRows, DecksDoNotMix) {
   const PaintedRow row;
   std::vector<PaintLine> lines;
