@@ -19,7 +19,7 @@ TEST(ForeignJson, IsReadAsItIs) {
 
 TEST(ForeignJson, OfAnotherKindOrNestedTooDeeplyIsDiscarded) {
   for (const std::string& text :
-       {std::string(), std::string("{"), std::string("{}}"), Nested(65), Nested(500'000),
+       {std::string(), std::string("{"), std::string("{}}"), Nested(66), Nested(500'000),
         std::string(500'000, '['), R"({"a": 1, "b": )" + Nested(70) + "}"})
     EXPECT_TRUE(ParseForeignJson(text).is_discarded()) << text.substr(0, 20);
 }
