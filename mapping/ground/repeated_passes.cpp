@@ -52,7 +52,8 @@ class KeptStops {
  private:
   static Eigen::Vector2i SquareOf(const Stop& stop) {
     const Eigen::Vector2d at = stop.odom_from_body.translation.head<2>();
-    return (at / kAside).array().floor().matrix().cast<int>();
+    constexpr double kFarthest = 1e9;  // squares; no drive goes there
+    return (at / kAside).array().floor().max(-kFarthest).min(kFarthest).matrix().cast<int>();
   }
   static std::uint64_t KeyOf(const Eigen::Vector2i& square) {
     return std::uint64_t{static_cast<std::uint32_t>(square.x())} << 32 |

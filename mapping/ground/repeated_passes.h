@@ -11,8 +11,8 @@ namespace parkade {
 /// so that they add false certainty, not knowledge. Safe to ask from several threads.
 class RepeatedPasses {
  public:
-  /// \param odom_from_body  should drift by less than half a meter between passes: those further
-  ///   apart are no repetitions
+  /// \param odom_from_body  may drift: passes that it lets lie further apart than half a meter are
+  ///   no repetitions. Its decks must stay a meter apart.
   /// \param passes  of a place and direction are kept: the first ones and, half of them or one
   ///   more, the last; 0: all
   RepeatedPasses(const Trajectory& odom_from_body, int passes);

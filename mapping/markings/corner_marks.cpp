@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 
-#include "core/math/statistics.h"
 #include "mapping/ground/quadrilateral.h"
 
 namespace parkade {
@@ -22,7 +22,7 @@ constexpr double kInLine = 0.3;     // [m] between a row's line and its marks ..
 constexpr double kBend = 0.015;     // ... and of the distance along it
 constexpr double kMaxHeightStep = 1.2;  // [m] between lines of one deck
 constexpr double kSame = 0.35;          // [m] between marks of one corner, as neighbors paint it
-constexpr double kApart = 1;            // [m] between slots side by side
+constexpr double kApart = 0.8;          // [m] between slots side by side
 constexpr double kTolerance = 0.1;      // of the pitch, of a distance between marks
 constexpr std::size_t kMinMarks = 3;    // of a row
 constexpr double kSureRow = 0.85, kRow = 0.7;  // confidence of slots between neighbors in rows of
@@ -33,6 +33,7 @@ constexpr double kPerHidden = 0.25;            // and what each mark that is not
 struct Mark {
   Vector2d corner, into;  ///< [m] in site; unit, from the entrance into the slot
   double height = 0;      ///< [m] in site
+  std::size_t stem = 0, bar = 0;
 };
 
 /// The mark of two lines, one of which is the stem.
@@ -50,23 +51,72 @@ std::optional<Mark> MarkOf(const PaintLine& stem, const PaintLine& bar) {
              is_at_end = std::abs(on_stem - length) <= kTouch;
   if (is_at_begin == is_at_end) return {};
   if ((is_at_begin ? length - on_stem : on_stem) < kShortest) return {};
-  return Mark{stem.begin + on_stem * along, is_at_begin ? along : Vector2d(-along), stem.height};
+  return Mark{.corner = stem.begin + on_stem * along,
+              .into = is_at_begin ? along : Vector2d(-along),
+              .height = stem.height};
 }
+
+/// Lines by the places that they lead through.
+class LinesNearby {
+ public:
+  void Add(const PaintLine& line, std::size_t index) {
+    const int steps = static_cast<int>(line.Length() / kSquare) + 1;
+    for (int i = 0; i <= steps; ++i) {
+      std::vector<std::size_t>& square =
+          squares_[SquareOf(line.begin + static_cast<double>(i) / steps * (line.end - line.begin))];
+      if (square.empty() || square.back() != index) square.push_back(index);
+    }
+  }
+
+  /// Lines that come as near as a square, and others; ascending.
+  std::vector<std::size_t> At(const Vector2d& place) const {
+    std::vector<std::size_t> lines;
+    const auto [x, y] = SquareOf(place);
+    for (int i = x - 1; i <= x + 1; ++i)
+      for (int k = y - 1; k <= y + 1; ++k)
+        if (const auto found = squares_.find({i, k}); found != squares_.end())
+          lines.insert(lines.end(), found->second.begin(), found->second.end());
+    std::sort(lines.begin(), lines.end());
+    lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
+    return lines;
+  }
+
+ private:
+  static constexpr double kSquare = 1;  // [m]
+  static std::pair<int, int> SquareOf(const Vector2d& place) {
+    return {static_cast<int>(std::floor(place.x() / kSquare)),
+            static_cast<int>(std::floor(place.y() / kSquare))};
+  }
+  std::map<std::pair<int, int>, std::vector<std::size_t>> squares_;
+};
 
 /// Of what is paint for sure: the edges of cars and shadows meet at right angles, too.
 std::vector<Mark> FindMarks(const std::vector<PaintLine>& lines, const std::vector<bool>& is_used) {
-  const auto is_paint = [&](std::size_t i) { return !is_used[i] && !lines[i].is_one_sided; };
+  LinesNearby nearby;
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    if (!is_used[i] && !lines[i].is_one_sided) nearby.Add(lines[i], i);
   std::vector<Mark> marks;
+  std::map<std::pair<long, long>, std::vector<std::size_t>> known;  // marks by meters
+  const auto add = [&](const Mark& mark) {
+    const long x = std::lround(mark.corner.x()), y = std::lround(mark.corner.y());
+    for (long i = x - 1; i <= x + 1; ++i)
+      for (long k = y - 1; k <= y + 1; ++k)
+        if (const auto found = known.find({i, k}); found != known.end())
+          for (const std::size_t other : found->second)
+            if ((marks[other].corner - mark.corner).norm() < kSame &&
+                marks[other].into.dot(mark.into) > 0.9)
+              return;
+    known[{x, y}].push_back(marks.size());
+    marks.push_back(mark);
+  };
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (!is_paint(i) || lines[i].Length() > kLongest) continue;
-    for (std::size_t k = 0; k < lines.size(); ++k) {
-      if (i == k || !is_paint(k)) continue;
-      const std::optional<Mark> mark = MarkOf(lines[i], lines[k]);
-      const auto is_same = [&](const Mark& other) {
-        return (other.corner - mark->corner).norm() < kSame && other.into.dot(mark->into) > 0.9;
-      };
-      if (mark && std::none_of(marks.begin(), marks.end(), is_same)) marks.push_back(*mark);
-    }
+    if (is_used[i] || lines[i].is_one_sided || lines[i].Length() > kLongest) continue;
+    for (const Vector2d& end : {lines[i].begin, lines[i].end})
+      for (const std::size_t k : nearby.At(end))
+        if (std::optional<Mark> mark = i == k ? std::nullopt : MarkOf(lines[i], lines[k])) {
+          mark->stem = i, mark->bar = k;
+          add(*mark);
+        }
   }
   return marks;
 }
@@ -137,15 +187,26 @@ struct Next {
   int slots = 0;  ///< 0: none follows
 };
 
-/// The nearest that the pitch fits. Between may be marks of slots that stand apart, but no others.
+/// The nearest that the pitch fits. Between may be one mark for each slot, of slots that stand
+/// apart, but no others.
 Next NextOf(const Rank& rank, std::size_t mark, double pitch, int max_missing, bool is_forward) {
   const auto count = rank.places.size();
-  for (std::size_t i = mark; is_forward ? ++i < count : i-- > 0;) {
+  int num_between = 0;
+  for (std::size_t i = mark; is_forward ? ++i < count : i-- > 0; ++num_between) {
     const double distance = std::abs(rank.places[i] - rank.places[mark]);
-    if (const int slots = SlotsBetween(distance, pitch, max_missing)) return {i, slots};
+    if (const int slots = SlotsBetween(distance, pitch, max_missing))
+      return num_between <= slots ? Next{i, slots} : Next{};
     if (std::abs(distance - std::round(distance / pitch) * pitch) > kApart) return {};
   }
   return {};
+}
+
+/// Whether bare ground is seen where a mark would be.
+bool IsBareAt(const Vector2d& corner, const Vector2d& into, double height,
+              const IsBareGround& is_bare) {
+  if (!is_bare) return false;
+  const auto is_bare_there = [&](double along) { return is_bare(corner + along * into, height); };
+  return is_bare_there(0) && is_bare_there(0.5 * kShortest) && is_bare_there(kShortest);
 }
 
 PlanarSlot SlotBetween(const Mark& left, const Mark& right, double begin, double end,
@@ -164,7 +225,7 @@ PlanarSlot SlotBetween(const Mark& left, const Mark& right, double begin, double
 /// Adds the slots of the row that a mark is in; returns its marks, none where it is in no row.
 std::vector<const Mark*> AddRow(const std::vector<Mark>& marks, const Mark& seed, double depth,
                                 bool is_parallel, const SlotRowOptions& options,
-                                std::vector<PlanarSlot>& slots) {
+                                const IsBareGround& is_bare, std::vector<PlanarSlot>& slots) {
   const SlotMeasures& measures = is_parallel ? options.behind : options.beside;
   const Rank rank = RankOf(marks, seed);
   const std::optional<double> pitch = PitchOf(rank, measures);
@@ -191,7 +252,14 @@ std::vector<const Mark*> AddRow(const std::vector<Mark>& marks, const Mark& seed
       slot.num_marked_sides = (k == 0) + (k + 1 == between[i]);
       slot.confidence =
           (row.size() >= kSureMarks ? kSureRow : kRow) - kPerHidden * (2 - slot.num_marked_sides);
-      if (slot.num_marked_sides > 0 && slot.confidence >= options.min_confidence)
+      const Vector2d way = row[i + 1]->corner - row[i]->corner;
+      const auto is_missing = [&](int boundary) {
+        return boundary > 0 && boundary < between[i] &&
+               IsBareAt(row[i]->corner + static_cast<double>(boundary) / between[i] * way,
+                        row[i]->into, slot.height, is_bare);
+      };
+      if (slot.num_marked_sides > 0 && slot.confidence >= options.min_confidence &&
+          !is_missing(k) && !is_missing(k + 1))
         slots.push_back(slot);
     }
   return row;
@@ -201,17 +269,21 @@ std::vector<const Mark*> AddRow(const std::vector<Mark>& marks, const Mark& seed
 
 std::vector<PlanarSlot> FindSlotsAtMarks(const std::vector<PaintLine>& lines,
                                          const std::vector<bool>& is_used, double usual_length,
-                                         const SlotRowOptions& options) {
-  const std::vector<Mark> marks = FindMarks(lines, is_used);
+                                         const SlotRowOptions& options,
+                                         const IsBareGround& is_bare) {
+  std::vector<Mark> marks = FindMarks(lines, is_used);
   std::vector<PlanarSlot> slots;
-  std::vector<const Mark*> done;
-  for (const bool is_parallel : {false, true})
+  std::vector<bool> is_spent(lines.size());  // stems of rows: those of angles are no bars of others
+  for (const bool is_parallel : {false, true}) {
+    const double depth = is_parallel ? options.behind.usual_length : usual_length;
     for (const Mark& mark : marks) {
-      if (std::find(done.begin(), done.end(), &mark) != done.end()) continue;
-      const double depth = is_parallel ? options.behind.usual_length : usual_length;
-      const std::vector<const Mark*> row = AddRow(marks, mark, depth, is_parallel, options, slots);
-      done.insert(done.end(), row.begin(), row.end());
+      if (is_spent[mark.stem]) continue;
+      for (const Mark* of_row : AddRow(marks, mark, depth, is_parallel, options, is_bare, slots))
+        is_spent[of_row->stem] = true;
     }
+    std::erase_if(marks,
+                  [&](const Mark& mark) { return is_spent[mark.stem] || is_spent[mark.bar]; });
+  }
   return slots;
 }
 

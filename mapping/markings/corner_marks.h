@@ -8,13 +8,15 @@ namespace parkade {
 
 /// Slots of which only corners are painted: as a T between two neighbors, a bar along the aisle and
 /// a stem into the row, or as angles. Three marks or more in line, turned alike, at one pitch are a
-/// row, perpendicular (SlotRowOptions::beside) or parallel (behind). Marks tell where slots begin
-/// and how wide they are; they are as deep as is usual. Of a slot only seen marks are corners: a
-/// missing one follows from the row. O(lines^2). Deterministic.
+/// row, perpendicular (SlotRowOptions::beside) or parallel (behind); of a slot that stands apart
+/// from its neighbors, marks at both sides count once. Marks tell where slots begin and how wide
+/// they are; they are as deep as is usual. A mark that is not seen follows from the row, unless
+/// bare ground is seen there. O(lines * lines nearby + marks^2). Deterministic.
 /// \param is_used       lines of other rows
 /// \param usual_length  [m] of perpendicular slots
 std::vector<PlanarSlot> FindSlotsAtMarks(const std::vector<PaintLine>& lines,
                                          const std::vector<bool>& is_used, double usual_length,
-                                         const SlotRowOptions& options);
+                                         const SlotRowOptions& options,
+                                         const IsBareGround& is_bare = {});
 
 }  // namespace parkade

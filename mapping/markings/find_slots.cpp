@@ -25,6 +25,7 @@ constexpr double kInside = 0.4;         // [m] from a slot's sides
 constexpr double kParkingSpeed = 2.0;   // [m/s]
 constexpr double kMaxHeightStep = 1.2;  // [m] between things of one deck
 constexpr double kMarkedNear = 12;      // [m] around marked slots, where cars stand in such
+constexpr double kMaxShare = 0.2;       // of a slot that a marked one may cover
 constexpr float kBareBelief = 0.8F;     // of free ground where a line would have been seen
 
 double HeightAt(const CellFinder& cells, const Vector2d& place, double height) {
@@ -120,14 +121,28 @@ std::vector<PlanarSlot> LookAlongKerbs(const CellFinder& cells, std::span<const 
   return slots;
 }
 
-/// Takes out unmarked slots where any of `others` near them is marked.
+Quadrilateral OutlineOf(const ParkingSlot& slot) {
+  Quadrilateral outline;
+  for (std::size_t i = 0; i < 4; ++i) outline[i] = slot.corners[i].head<2>();
+  return outline;
+}
+
+/// Whether cars alone make no slot as another one is marked: near rows of an aisle they stand in
+/// these, along a kerb beside them.
+bool GivesWayTo(const ParkingSlot& slot, const ParkingSlot& marked) {
+  const Vector3d offset = marked.Center() - slot.Center();
+  if (std::abs(offset.z()) > kMaxHeightStep || offset.head<2>().norm() > kMarkedNear) return false;
+  const Quadrilateral outline = OutlineOf(slot);
+  return marked.kind != SlotKind::kParallel ||
+         SharedArea(outline, OutlineOf(marked)) > kMaxShare * SignedArea(outline);
+}
+
+/// Takes out unmarked slots that give way to any of `others`.
 void DropNearMarked(std::span<const ParkingSlot> others, std::vector<ParkingSlot>& slots) {
   std::erase_if(slots, [&](const ParkingSlot& slot) {
     return !IsMarked(slot) &&
            std::any_of(others.begin(), others.end(), [&](const ParkingSlot& other) {
-             const Vector3d offset = other.Center() - slot.Center();
-             return IsMarked(other) && std::abs(offset.z()) < kMaxHeightStep &&
-                    offset.head<2>().norm() < kMarkedNear;
+             return IsMarked(other) && GivesWayTo(slot, other);
            });
   });
 }
@@ -152,11 +167,8 @@ std::vector<ParkingSlot> LookForSlots(const MarkedGround& ground, const Paint& p
 
 /// Slots that were found elsewhere, on the ground of this site.
 void Lift(std::vector<ParkingSlot>& slots, const CellFinder& cells) {
-  for (ParkingSlot& slot : slots) {
-    std::array<Vector2d, 4> places;
-    for (std::size_t i = 0; i < 4; ++i) places[i] = slot.corners[i].head<2>();
-    slot.corners = LiftCorners(places, slot.Center().z(), cells);
-  }
+  for (ParkingSlot& slot : slots)
+    slot.corners = LiftCorners(OutlineOf(slot), slot.Center().z(), cells);
 }
 
 }  // namespace

@@ -167,6 +167,24 @@ double FindSlotsOf(const std::vector<PaintLine>& lines, const RowKind& kind,
   return habits.length;
 }
 
+bool Excludes(const PlanarSlot& sure, const PlanarSlot& slot) {
+  return std::abs(slot.height - sure.height) <= kMaxHeightStep &&
+         SharedArea(slot.corners, sure.corners) > kMaxShare * std::abs(SignedArea(slot.corners));
+}
+
+/// Marks tell less than whole lines do: where these make slots they make none.
+void AddSlotsAtMarks(const std::vector<PaintLine>& lines, const std::vector<bool>& is_spent,
+                     double usual_length, const SlotRowOptions& options,
+                     const IsBareGround& is_bare, std::vector<PlanarSlot>& slots) {
+  std::vector<PlanarSlot> at_marks =
+      FindSlotsAtMarks(lines, is_spent, usual_length, options, is_bare);
+  std::erase_if(at_marks, [&](const PlanarSlot& slot) {
+    return std::any_of(slots.begin(), slots.end(),
+                       [&](const PlanarSlot& other) { return Excludes(other, slot); });
+  });
+  slots.insert(slots.end(), at_marks.begin(), at_marks.end());
+}
+
 /// The surest first; those that lie on one of them are left out. Back in the order of their rows.
 std::vector<PlanarSlot> DropOverlaps(const std::vector<PlanarSlot>& slots) {
   std::vector<std::size_t> order(slots.size());
@@ -176,11 +194,9 @@ std::vector<PlanarSlot> DropOverlaps(const std::vector<PlanarSlot>& slots) {
   });
   std::vector<bool> is_kept(slots.size());
   for (const std::size_t i : order) {
-    const double area = std::abs(SignedArea(slots[i].corners));
     bool is_free = true;
     for (std::size_t k = 0; k < slots.size() && is_free; ++k)
-      is_free = !is_kept[k] || std::abs(slots[i].height - slots[k].height) > kMaxHeightStep ||
-                SharedArea(slots[i].corners, slots[k].corners) <= kMaxShare * area;
+      is_free = !is_kept[k] || !Excludes(slots[k], slots[i]);
     is_kept[i] = is_free;
   }
   std::vector<PlanarSlot> kept;
@@ -202,11 +218,12 @@ std::vector<PlanarSlot> FindSlotRows(const std::vector<PaintLine>& lines,
   std::vector<bool> is_used_behind = is_used;
   for (std::size_t i = 0; i < lines.size(); ++i)
     is_used_behind[i] = is_used[i] || lines[i].Length() > options.behind.max_length;
+  std::vector<bool> is_spent = is_used, is_too_long = is_used_behind;
   FindSlotsOf(lines, {.measures = options.behind, .is_parallel = true}, options, is_bare,
               is_used_behind, slots);
-  const std::vector<PlanarSlot> at_marks =
-      FindSlotsAtMarks(lines, is_used, beside.usual_length, options);
-  slots.insert(slots.end(), at_marks.begin(), at_marks.end());
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    is_spent[i] = is_used[i] || is_used_behind[i] != is_too_long[i];
+  AddSlotsAtMarks(lines, is_spent, beside.usual_length, options, is_bare, slots);
   // Where parked cars, or what is taken for them, reach up to every line, none has two sides.
   std::vector<PaintLine> edges = lines;
   for (std::size_t i = 0; i < edges.size(); ++i) {

@@ -13,6 +13,7 @@ using Eigen::Vector2d;
 
 constexpr double kStep = 0.05;                  // [m] along a line
 constexpr double kEnds = 0.3;                   // [m] of a line that do not count
+constexpr double kMark = 0.4;                   // [m] of a mark beyond them
 constexpr int kReach = 20;                      // steps to either side of a line
 constexpr double kAcross = 0.025;               // [m] of such a step
 constexpr int kMaxAside = 8;                    // steps that a line may lie beside its place
@@ -81,20 +82,32 @@ PaintSeen Judge(const Profile& profile) {
                         : PaintSeen::kUnknown;
 }
 
-PaintSeen SeeSide(const TileBrightness& ground, const Vector2d& begin, const Vector2d& end) {
+/// From one place to another.
+PaintSeen SeeStretch(const TileBrightness& ground, const Vector2d& begin, const Vector2d& end) {
   const double length = (end - begin).norm();
   const Vector2d along = (end - begin) / length, across(-along.y(), along.x());
   Profile sum{};
-  const int count = static_cast<int>((length - 2 * kEnds) / kStep) + 1;
+  const int count = static_cast<int>(length / kStep) + 1;
   int num_known = 0;
   for (int step = 0; step < count; ++step)
-    if (const auto profile = ProfileAt(ground, begin + (kEnds + step * kStep) * along, across)) {
+    if (const auto profile = ProfileAt(ground, begin + step * kStep * along, across)) {
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += (*profile)[i];
       ++num_known;
     }
   if (num_known == 0 || num_known < kMinKnown * count) return PaintSeen::kUnknown;
   for (double& value : sum) value /= num_known;
   return Judge(sum);
+}
+
+/// Marks at its ends are paint, too, where there is nothing between (FindSlotsAtMarks).
+PaintSeen SeeSide(const TileBrightness& ground, const Vector2d& begin, const Vector2d& end) {
+  const Vector2d along = (end - begin).normalized(), first = begin + kEnds * along,
+                 last = end - kEnds * along;
+  const PaintSeen all = SeeStretch(ground, first, last);
+  if (all != PaintSeen::kBare) return all;
+  const bool is_marked = SeeStretch(ground, first, first + kMark * along) == PaintSeen::kPainted ||
+                         SeeStretch(ground, last - kMark * along, last) == PaintSeen::kPainted;
+  return is_marked ? PaintSeen::kPainted : PaintSeen::kBare;
 }
 
 bool IsIn(const GroundTile& tile, const ParkingSlot& slot) {

@@ -10,7 +10,7 @@ namespace parkade {
 
 /// Raise it whenever the stored form of a drive's slots changes, or the way they are found from the
 /// same inputs.
-constexpr int kDriveSlotsVersion = 2;
+constexpr int kDriveSlotsVersion = 3;
 
 // Encodes as slam/sessions/stage_results.h does: exactly, but without the slots' states.
 

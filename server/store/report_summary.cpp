@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/files/file.h"
+#include "core/files/foreign_json.h"
 
 namespace parkade {
 namespace {
@@ -19,8 +20,7 @@ std::optional<std::string> ObjectAt(const nlohmann::json& json, const char* key)
 }  // namespace
 
 ReportSummary ReadReportSummary(const std::filesystem::path& report) {
-  const nlohmann::json json =
-      nlohmann::json::parse(ReadFile(report, kMaxReportBytes), nullptr, false);
+  const nlohmann::json json = ParseForeignJson(ReadFile(report, kMaxReportBytes));
   Require(json.is_object(), ErrorCode::kInternal, "the worker's report.json is not a JSON object");
 
   ReportSummary summary;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/files/foreign_json.h"
 #include "core/log.h"
 
 namespace parkade {
@@ -22,7 +23,7 @@ const std::string kIndex = "/index.json";
 /// What lies in the cache: a line that tells the sizes, and the JPEG.
 std::optional<ServedPicture> ParsePicture(const std::string& content) {
   const size_t line = content.find('\n');
-  const Json sizes = Json::parse(content.substr(0, line), nullptr, /*allow_exceptions=*/false);
+  const Json sizes = ParseForeignJson(std::string_view(content).substr(0, line));
   if (line == std::string::npos || !sizes.is_object()) return std::nullopt;
   return ServedPicture{{},
                        sizes.value("width", 0),

@@ -19,9 +19,22 @@ TEST(ForeignJson, IsReadAsItIs) {
 
 TEST(ForeignJson, OfAnotherKindOrNestedTooDeeplyIsDiscarded) {
   for (const std::string& text :
-       {std::string(), std::string("{"), std::string("{}}"), Nested(66), Nested(500'000),
+       {std::string(), std::string("{"), std::string("{}}"), Nested(65), Nested(500'000),
         std::string(500'000, '['), R"({"a": 1, "b": )" + Nested(70) + "}"})
     EXPECT_TRUE(ParseForeignJson(text).is_discarded()) << text.substr(0, 20);
+}
+
+TEST(ForeignJson, BracketsInStringsDoNotCount) {
+  const std::string brackets(100, '[');
+  EXPECT_EQ(ParseForeignJson('"' + brackets + '"'), brackets);
+  EXPECT_EQ(ParseForeignJson(R"(["\"[", "\\", [")" + brackets + R"("]])").size(), 3U);
+  EXPECT_TRUE(ParseForeignJson(R"(["\\", )" + Nested(64) + "]").is_discarded());
+}
+
+TEST(ForeignJson, ManySiblingsTakeNoLonger) {
+  std::string many = "[{}";
+  for (int i = 0; i < 500'000; ++i) many += ",{}";
+  EXPECT_EQ(ParseForeignJson(many + "]").size(), 500'001U);  // in hours by the parser's callback
 }
 
 }  // namespace

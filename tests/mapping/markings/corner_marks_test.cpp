@@ -183,6 +183,66 @@ TEST(CornerMarks, EdgesOfCarsAndShadowsAreNoPaint) {
   EXPECT_TRUE(Find(lines).empty());
 }
 
+TEST(CornerMarks, LaddersAndNarrowBaysAreNone) {
+  for (const double spacing : {0.5, 0.7, 0.9, 1.0, 1.2, 1.5}) {
+    const Tees rungs{.pitch = spacing};
+    std::vector<PaintLine> lines;
+    for (int i = 0; i * spacing < 12; ++i)
+      lines.push_back(Stroke(rungs.Corner(i), rungs.Corner(i) + 1.5 * rungs.Into()));
+    lines.push_back(Stroke(rungs.start, rungs.start + 12 * rungs.Along()));
+    EXPECT_TRUE(Find(lines).empty()) << spacing;
+  }
+}
+
+TEST(CornerMarks, ADrivewayBetweenRowsIsNone) {
+  const Tees tees;
+  const std::vector<PaintLine> lines = tees.Paint({0, 1, 2, 3, 6, 7, 8, 9});
+  const std::vector<bool> is_used(lines.size());
+  const auto is_bare = [&](const Vector2d& place, double) {
+    return std::none_of(lines.begin(), lines.end(), [&](const PaintLine& line) {
+      return (place - line.Middle()).norm() < 0.5;
+    });
+  };
+  EXPECT_EQ(FindSlotsAtMarks(lines, is_used, kDepth, {}).size(), 8U) << "two marks may be hidden";
+  EXPECT_EQ(FindSlotsAtMarks(lines, is_used, kDepth, {}, is_bare).size(), 6U);
+}
+
+TEST(CornerMarks, AnglesOfTwoRanksMakeNoSlotsAlongTheAisle) {
+  const Tees row;
+  std::vector<PaintLine> lines;
+  for (int i = 0; i < 3; ++i)
+    for (const double side : {0.0, 1.0})
+      for (const double depth : {0.0, 1.0, 2.0})
+        for (const double turned : {1.0, -1.0}) {
+          if ((depth == 0 && turned < 0) || (depth == 2 && turned > 0)) continue;
+          const Vector2d corner =
+              row.Corner(i) + side * row.pitch * row.Along() + depth * kDepth * row.Into();
+          lines.push_back(Stroke(corner, corner + (side > 0 ? -0.8 : 0.8) * row.Along()));
+          lines.push_back(Stroke(corner, corner + 0.8 * turned * row.Into()));
+        }
+  for (const PlanarSlot& slot : Find(lines)) EXPECT_EQ(slot.kind, SlotKind::kPerpendicular);
+}
+
+TEST(CornerMarks, InSlotsOfWholeLinesTellNothing) {
+  const Tees letters{.start = Tees().start + 1.2 * Tees().Along() + 1.5 * Tees().Into()};
+  std::vector<PaintLine> lines = letters.Paint({0, 1, 2, 3});
+  const Tees tees;
+  for (int i = 0; i < 5; ++i)
+    lines.push_back(Stroke(tees.Corner(i), tees.Corner(i) + 5 * tees.Into()));
+  const std::vector<PlanarSlot> slots = FindSlotRows(lines);
+  ASSERT_EQ(slots.size(), 4U);
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(Has(slots, tees.Slot(i, 5.0))) << i;
+}
+
+TEST(CornerMarks, OfALargeSiteTakeLittleTime) {
+  std::vector<PaintLine> lines;
+  for (int y = 0; y < 100; ++y) {
+    const Tees row{.start = {0, 12.0 * y}, .yaw = 0};
+    for (int i = 0; i < 100; ++i) row.Paint(i, lines);
+  }
+  EXPECT_EQ(Find(lines).size(), 9900U);
+}
+
 TEST(CornerMarks, StrokesAtRandomMakeHardlyARow) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> place(0, 60), length(0.6, 1.8);

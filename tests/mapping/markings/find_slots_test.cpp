@@ -166,5 +166,16 @@ TEST(FindSlots, NearMarkedSlotsCarsAloneMakeNone) {
   }));
 }
 
+TEST(FindSlots, BesideMarkedParallelOnesCarsMakeSlots) {
+  ParkingSlot marked = LookAtStreet({16.2, 22.4}).front();
+  marked.num_marked_sides = 2;
+  marked.confidence = 0.85;
+  const std::vector<ParkingSlot> slots = LookAtStreet({16.2, 22.4}, {{{marked}, 0}});
+  EXPECT_EQ(slots.size(), 4U);
+  EXPECT_EQ(std::count_if(slots.begin(), slots.end(),
+                          [](const ParkingSlot& slot) { return slot.num_marked_sides == 2; }),
+            1);
+}
+
 }  // namespace
 }  // namespace parkade

@@ -35,6 +35,12 @@ TEST(SlotSides, ALineWornAwayButForSomeDashesIsNotBare) {
   EXPECT_NE(SidesOf(painted)[0], PaintSeen::kBare);
 }
 
+TEST(SlotSides, MarksAtTheCornersArePaint) {
+  PaintedGround painted;
+  painted.Line({4.5, 2}, {4.5, 2.9}, 0.12, cv::Scalar::all(124));
+  EXPECT_EQ(SidesOf(painted), (SlotSides{PaintSeen::kPainted, PaintSeen::kBare}));
+}
+
 TEST(SlotSides, WhatIsHiddenOrAtTheEdgeOfAShadowIsUnknown) {
   PaintedGround painted;
   painted.Hide({1.5, 3}, {4.6, 6.5});
