@@ -201,12 +201,16 @@ Next NextOf(const Rank& rank, std::size_t mark, double pitch, int max_missing, b
   return {};
 }
 
-/// Whether bare ground is seen where a mark would be.
-bool IsBareAt(const Vector2d& corner, const Vector2d& into, double height,
-              const IsBareGround& is_bare) {
-  if (!is_bare) return false;
-  const auto is_bare_there = [&](double along) { return is_bare(corner + along * into, height); };
-  return is_bare_there(0) && is_bare_there(0.5 * kShortest) && is_bare_there(kShortest);
+/// Whether bare ground is seen where several marks side by side would be; a single one wears off.
+bool IsDriveway(const Mark& left, const Mark& right, int num_slots, const IsBareGround& is_bare) {
+  if (!is_bare || num_slots < 3) return false;
+  for (int i = 1; i < num_slots; ++i) {
+    const Vector2d corner =
+        left.corner + static_cast<double>(i) / num_slots * (right.corner - left.corner);
+    for (const double along : {0.0, 0.5 * kShortest, kShortest})
+      if (!is_bare(corner + along * left.into, left.height)) return false;
+  }
+  return true;
 }
 
 PlanarSlot SlotBetween(const Mark& left, const Mark& right, double begin, double end,
@@ -243,7 +247,8 @@ std::vector<const Mark*> AddRow(const std::vector<Mark>& marks, const Mark& seed
     between.push_back(next.slots);
   }
   if (row.size() < kMinMarks) return {};
-  for (std::size_t i = 0; i < between.size(); ++i)
+  for (std::size_t i = 0; i < between.size(); ++i) {
+    if (IsDriveway(*row[i], *row[i + 1], between[i], is_bare)) continue;
     for (int k = 0; k < between[i]; ++k) {
       PlanarSlot slot = SlotBetween(*row[i], *row[i + 1], static_cast<double>(k) / between[i],
                                     static_cast<double>(k + 1) / between[i], depth);
@@ -252,16 +257,10 @@ std::vector<const Mark*> AddRow(const std::vector<Mark>& marks, const Mark& seed
       slot.num_marked_sides = (k == 0) + (k + 1 == between[i]);
       slot.confidence =
           (row.size() >= kSureMarks ? kSureRow : kRow) - kPerHidden * (2 - slot.num_marked_sides);
-      const Vector2d way = row[i + 1]->corner - row[i]->corner;
-      const auto is_missing = [&](int boundary) {
-        return boundary > 0 && boundary < between[i] &&
-               IsBareAt(row[i]->corner + static_cast<double>(boundary) / between[i] * way,
-                        row[i]->into, slot.height, is_bare);
-      };
-      if (slot.num_marked_sides > 0 && slot.confidence >= options.min_confidence &&
-          !is_missing(k) && !is_missing(k + 1))
+      if (slot.num_marked_sides > 0 && slot.confidence >= options.min_confidence)
         slots.push_back(slot);
     }
+  }
   return row;
 }
 

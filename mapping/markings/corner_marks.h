@@ -10,8 +10,9 @@ namespace parkade {
 /// a stem into the row, or as angles. Three marks or more in line, turned alike, at one pitch are a
 /// row, perpendicular (SlotRowOptions::beside) or parallel (behind); of a slot that stands apart
 /// from its neighbors, marks at both sides count once. Marks tell where slots begin and how wide
-/// they are; they are as deep as is usual. A mark that is not seen follows from the row, unless
-/// bare ground is seen there. O(lines * lines nearby + marks^2). Deterministic.
+/// they are; they are as deep as is usual. A mark that is not seen follows from the row; where
+/// two side by side are not, and bare ground is, there is a way through.
+/// O(lines * lines nearby + marks^2). Deterministic.
 /// \param is_used       lines of other rows
 /// \param usual_length  [m] of perpendicular slots
 std::vector<PlanarSlot> FindSlotsAtMarks(const std::vector<PaintLine>& lines,
