@@ -16,8 +16,8 @@ using Eigen::Vector2d;
 constexpr double kLongest = 1.8;    // [m] of a stem; bars of neighbors may join
 constexpr double kShortest = 0.45;  // [m] of a stem, from the middle of its bar
 constexpr double kTouch = 0.25;     // [m] between a stem's end, or its bar's, and where both meet
-constexpr double kSquare_deg = 8;   // by which their angle may differ from a right one
-constexpr double kAlike_deg = 8;    // between stems of a row
+constexpr double kSquareTurn = 8;   // [deg] by which their angle may differ from a right one
+constexpr double kAlikeTurn = 8;    // [deg] between stems of a row
 constexpr double kInLine = 0.3;     // [m] between a row's line and its marks ...
 constexpr double kBend = 0.015;     // ... and of the distance along it
 constexpr double kMaxHeightStep = 1.2;  // [m] between lines of one deck
@@ -40,7 +40,7 @@ struct Mark {
 std::optional<Mark> MarkOf(const PaintLine& stem, const PaintLine& bar) {
   if (std::abs(stem.height - bar.height) > kMaxHeightStep) return {};
   const Vector2d along = stem.Direction(), across = bar.Direction();
-  if (std::abs(along.dot(across)) > std::sin(kSquare_deg * std::numbers::pi / 180)) return {};
+  if (std::abs(along.dot(across)) > std::sin(kSquareTurn * std::numbers::pi / 180)) return {};
   const double determinant = along.x() * across.y() - along.y() * across.x();
   const Vector2d between = bar.begin - stem.begin;
   const double on_stem = (between.x() * across.y() - between.y() * across.x()) / determinant,
@@ -90,7 +90,7 @@ class LinesNearby {
   std::map<std::pair<int, int>, std::vector<std::size_t>> squares_;
 };
 
-/// Of what is paint for sure: the edges of cars and shadows meet at right angles, too.
+/// Marks of what is paint for sure: the edges of cars and shadows meet at right angles, too.
 std::vector<Mark> FindMarks(const std::vector<PaintLine>& lines, const std::vector<bool>& is_used) {
   LinesNearby nearby;
   for (std::size_t i = 0; i < lines.size(); ++i)
@@ -134,7 +134,7 @@ Rank RankOf(const std::vector<Mark>& marks, const Mark& seed) {
   for (const Mark& mark : marks) {
     const Vector2d offset = mark.corner - seed.corner;
     const double place = offset.dot(rank.along);
-    if (mark.into.dot(seed.into) > std::cos(kAlike_deg * std::numbers::pi / 180) &&
+    if (mark.into.dot(seed.into) > std::cos(kAlikeTurn * std::numbers::pi / 180) &&
         std::abs(offset.dot(seed.into)) < kInLine + kBend * std::abs(place) &&
         std::abs(mark.height - seed.height) < kMaxHeightStep)
       in_line.emplace_back(place, &mark);

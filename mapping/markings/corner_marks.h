@@ -2,7 +2,9 @@
 
 #include <vector>
 
-#include "mapping/markings/slot_rows.h"
+#include "mapping/markings/paint_lines.h"
+#include "mapping/markings/planar_slot.h"
+#include "mapping/markings/slot_row_options.h"
 
 namespace parkade {
 

@@ -14,9 +14,9 @@ constexpr double kMinSeenShare = 0.25;  // of a row's lines whose ends have to a
 constexpr double kMinWallShare = 0.4;   // the same for those that a wall cuts off
 constexpr double kSecondRank =
     1.0;  // [m] of paint behind one rank of slots that say that there is another
-constexpr int kFewLines = 4;   // seen ones: fewer are a row only where they are whole
-constexpr int kSureSlant = 4;  // ends on one side that say what slant parallel rows have
-constexpr double kSameDirection_deg = 5;
+constexpr int kFewLines = 4;           // seen ones: fewer are a row only where they are whole
+constexpr int kSureSlant = 4;          // ends on one side that say what slant parallel rows have
+constexpr double kSameDirection = 5;   // [deg]
 constexpr double kWhole = 0.7;         // of a slot's length
 constexpr double kSquareSlope = 0.08;  // of ends up to which a row is perpendicular
 
@@ -109,8 +109,7 @@ BothEnds FindBothEnds(const SlotRow& row) {
 BothEnds FindBothEnds(const SlotRow& row, const std::vector<RowSlant>& slants) {
   BothEnds best = FindBothEnds(row);
   for (const RowSlant& slant : slants) {
-    if (std::abs(slant.along.dot(row.along)) <
-        std::cos(kSameDirection_deg * std::numbers::pi / 180))
+    if (std::abs(slant.along.dot(row.along)) < std::cos(kSameDirection * std::numbers::pi / 180))
       continue;
     const BothEnds ends(SureEnds(row, true, slant.slope), SureEnds(row, false, slant.slope));
     if (CountSeen(ends) > CountSeen(best)) best = ends;

@@ -36,11 +36,14 @@ struct SeenLine {
 SeenLine SeeLine(const SlotRow& row, const RowDivider& divider, double from, double to,
                  const IsBareGround& is_bare) {
   SeenLine seen;
-  for (double along = from + kBareStep / 2; along < to; along += kBareStep)
+  const int num_steps = static_cast<int>(std::ceil((to - from) / kBareStep - 0.5));
+  for (int i = 0; i < num_steps; ++i) {
+    const double along = from + (i + 0.5) * kBareStep;
     if (divider.Support(along - kBareStep / 2, along + kBareStep / 2) > 0)
       seen.painted += kBareStep;
     else if (is_bare && is_bare(row.Place(along, divider.AcrossAt(along)), row.height))
       seen.bare += kBareStep;
+  }
   return seen;
 }
 

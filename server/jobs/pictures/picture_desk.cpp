@@ -72,7 +72,7 @@ std::shared_ptr<const PictureTimes> PictureDesk::TimesOf(const PictureLog& log,
     index = cache_.Find(log.Folder() + kIndex);
   }
   Require(index.has_value(), ErrorCode::kInternal, "the index of pictures is gone");
-  const auto times = std::make_shared<const PictureTimes>(ParsePictureTimes(*index));
+  auto times = std::make_shared<const PictureTimes>(ParsePictureTimes(*index));
   const std::lock_guard lock(mutex_);
   times_.emplace_front(log.Folder(), times);
   if (times_.size() > kMaxTimes) times_.pop_back();

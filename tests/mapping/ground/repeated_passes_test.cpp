@@ -40,9 +40,10 @@ Trajectory Rounds(int count, double rise = 0, double aside = 0) {
 }
 
 double RepeatedShare(const RepeatedPasses& repeated, double begin, double end) {
-  int count = 0, all = 0;
-  for (double at = begin + kStep / 2; at < end; at += kStep, ++all)
-    count += repeated.Contains(TimestampFromSeconds(at));
+  const int all = static_cast<int>(std::lround((end - begin) / kStep));
+  int count = 0;
+  for (int i = 0; i < all; ++i)
+    count += repeated.Contains(TimestampFromSeconds(begin + (i + 0.5) * kStep));
   return static_cast<double>(count) / all;
 }
 

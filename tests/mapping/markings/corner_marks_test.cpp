@@ -6,6 +6,7 @@
 #include <random>
 
 #include "mapping/ground/quadrilateral.h"
+#include "mapping/markings/slot_rows.h"
 
 namespace parkade {
 namespace {

@@ -11,9 +11,10 @@ namespace {
 /// aisle, where nothing is painted.
 double CorrelationOf(const GroundCanvas& a, const GroundCanvas& b, double aisle) {
   double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
-  for (float along = 8; along < 14; along += 0.05f) {
-    for (float across = static_cast<float>(aisle) + 0.6f; across < static_cast<float>(aisle) + 1.8f;
-         across += 0.05f) {
+  for (int i = 0; i < 120; ++i) {
+    for (int k = 0; k < 24; ++k) {
+      const float along = 8 + 0.05f * static_cast<float>(i),
+                  across = static_cast<float>(aisle) + 0.6f + 0.05f * static_cast<float>(k);
       const auto grain = [&](const GroundCanvas& floor) {
         return Luminance(floor.Sample(along + 0.1f, across, 0.05f)) -
                Luminance(floor.Sample(along, across, 0.05f));
