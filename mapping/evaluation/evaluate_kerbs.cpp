@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+
+#include "mapping/ground/square_index.h"
 
 namespace parkade {
 namespace {
@@ -37,38 +38,26 @@ void Walk(const Vector3d& begin, const Vector3d& end, double step, std::size_t l
 /// Finds the nearest of many points.
 class NearPoints {
  public:
-  explicit NearPoints(const std::vector<LinePoint>& points) : points_(&points) {
-    for (std::size_t i = 0; i < points.size(); ++i)
-      squares_[SquareOf(points[i].place)].push_back(i);
+  explicit NearPoints(const std::vector<LinePoint>& points) : points_(&points), squares_(kSquare) {
+    for (std::size_t i = 0; i < points.size(); ++i) squares_.Add(points[i].place.head<2>(), i);
   }
 
-  /// Horizontally within `distance` [m], at most a square's side, and on the same deck.
+  /// Horizontally within `distance` [m] and on the same deck.
   std::optional<std::size_t> Find(const Vector3d& place, double distance,
                                   double max_height_gap) const {
     std::optional<std::size_t> best;
-    const auto [column, row] = SquareOf(place);
-    for (int x = column - 1; x <= column + 1; ++x)
-      for (int y = row - 1; y <= row + 1; ++y) {
-        const auto square = squares_.find({x, y});
-        if (square == squares_.end()) continue;
-        for (const std::size_t i : square->second) {
-          const Vector3d offset = (*points_)[i].place - place;
-          if (offset.head<2>().norm() > distance || std::abs(offset.z()) > max_height_gap) continue;
-          distance = offset.head<2>().norm();
-          best = i;
-        }
-      }
+    squares_.VisitAround(place.head<2>(), distance, [&](std::size_t i) {
+      const Vector3d offset = (*points_)[i].place - place;
+      if (offset.head<2>().norm() > distance || std::abs(offset.z()) > max_height_gap) return;
+      distance = offset.head<2>().norm();
+      best = i;
+    });
     return best;
   }
 
  private:
-  static std::pair<int, int> SquareOf(const Vector3d& place) {
-    return {static_cast<int>(std::floor(place.x() / kSquare)),
-            static_cast<int>(std::floor(place.y() / kSquare))};
-  }
-
   const std::vector<LinePoint>* points_;
-  std::map<std::pair<int, int>, std::vector<std::size_t>> squares_;
+  SquareIndex<std::size_t> squares_;
 };
 
 /// The points of true kerbs that count.

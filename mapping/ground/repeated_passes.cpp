@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <unordered_map>
+
+#include "mapping/ground/square_index.h"
 
 namespace parkade {
 namespace {
@@ -27,41 +27,19 @@ bool IsSamePlace(const Stop& a, const Stop& b) {
          a.odom_from_body.rotation.angularDistance(b.odom_from_body.rotation) <= kAngle;
 }
 
-/// Stops that are kept, by place.
-class KeptStops {
- public:
-  void Add(const Stop& stop) { squares_[KeyOf(SquareOf(stop))].push_back(stop); }
-
-  /// How many passes lead by a stop, apart from its own.
-  int CountPasses(const Stop& stop) const {
-    std::vector<double> traveled;
-    const Eigen::Vector2i home = SquareOf(stop);
-    for (int x = home.x() - 1; x <= home.x() + 1; ++x)
-      for (int y = home.y() - 1; y <= home.y() + 1; ++y)
-        if (const auto found = squares_.find(KeyOf({x, y})); found != squares_.end())
-          for (const Stop& other : found->second)
-            if (std::abs(other.traveled - stop.traveled) > kAway && IsSamePlace(stop, other))
-              traveled.push_back(other.traveled);
-    std::sort(traveled.begin(), traveled.end());
-    int count = 0;
-    for (size_t i = 0; i < traveled.size(); ++i)
-      if (i == 0 || traveled[i] - traveled[i - 1] > kAway) ++count;
-    return count;
-  }
-
- private:
-  static Eigen::Vector2i SquareOf(const Stop& stop) {
-    const Eigen::Vector2d at = stop.odom_from_body.translation.head<2>();
-    constexpr double kFarthest = 1e9;  // squares; no drive goes there
-    return (at / kAside).array().floor().max(-kFarthest).min(kFarthest).matrix().cast<int>();
-  }
-  static std::uint64_t KeyOf(const Eigen::Vector2i& square) {
-    return std::uint64_t{static_cast<std::uint32_t>(square.x())} << 32 |
-           static_cast<std::uint32_t>(square.y());
-  }
-
-  std::unordered_map<std::uint64_t, std::vector<Stop>> squares_;
-};
+/// How many passes lead by a stop, apart from its own.
+int CountPasses(const Stop& stop, const SquareIndex<Stop>& stops) {
+  std::vector<double> traveled;
+  stops.VisitAround(stop.odom_from_body.translation.head<2>(), kAside, [&](const Stop& other) {
+    if (std::abs(other.traveled - stop.traveled) > kAway && IsSamePlace(stop, other))
+      traveled.push_back(other.traveled);
+  });
+  std::sort(traveled.begin(), traveled.end());
+  int count = 0;
+  for (size_t i = 0; i < traveled.size(); ++i)
+    if (i == 0 || traveled[i] - traveled[i - 1] > kAway) ++count;
+  return count;
+}
 
 }  // namespace
 
@@ -83,10 +61,10 @@ RepeatedPasses::RepeatedPasses(const Trajectory& odom_from_body, int passes) {
     times_.push_back(state.time);
   }
   is_repeated_.assign(stops.size(), true);
-  KeptStops early, late;
-  const auto keep = [&](size_t stop, KeptStops& kept, int at_most) {
-    if (kept.CountPasses(stops[stop]) >= at_most) return;
-    kept.Add(stops[stop]);
+  SquareIndex<Stop> early(kAside), late(kAside);
+  const auto keep = [&](size_t stop, SquareIndex<Stop>& kept, int at_most) {
+    if (CountPasses(stops[stop], kept) >= at_most) return;
+    kept.Add(stops[stop].odom_from_body.translation.head<2>(), stops[stop]);
     is_repeated_[stop] = false;
   };
   for (size_t i = 0; i < stops.size(); ++i) keep(i, early, passes / 2);

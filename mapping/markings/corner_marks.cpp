@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include "mapping/ground/quadrilateral.h"
+#include "mapping/ground/square_index.h"
 
 namespace parkade {
 namespace {
@@ -56,67 +57,41 @@ std::optional<Mark> MarkOf(const PaintLine& stem, const PaintLine& bar) {
               .height = stem.height};
 }
 
-/// Lines by the places that they lead through.
-class LinesNearby {
- public:
-  void Add(const PaintLine& line, std::size_t index) {
-    const int steps = static_cast<int>(line.Length() / kSquare) + 1;
-    for (int i = 0; i <= steps; ++i) {
-      std::vector<std::size_t>& square =
-          squares_[SquareOf(line.begin + static_cast<double>(i) / steps * (line.end - line.begin))];
-      if (square.empty() || square.back() != index) square.push_back(index);
-    }
-  }
-
-  /// Lines that come as near as a square, and others; ascending.
-  std::vector<std::size_t> At(const Vector2d& place) const {
-    std::vector<std::size_t> lines;
-    const auto [x, y] = SquareOf(place);
-    for (int i = x - 1; i <= x + 1; ++i)
-      for (int k = y - 1; k <= y + 1; ++k)
-        if (const auto found = squares_.find({i, k}); found != squares_.end())
-          lines.insert(lines.end(), found->second.begin(), found->second.end());
-    std::sort(lines.begin(), lines.end());
-    lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
-    return lines;
-  }
-
- private:
-  static constexpr double kSquare = 1;  // [m]
-  static std::pair<int, int> SquareOf(const Vector2d& place) {
-    return {static_cast<int>(std::floor(place.x() / kSquare)),
-            static_cast<int>(std::floor(place.y() / kSquare))};
-  }
-  std::map<std::pair<int, int>, std::vector<std::size_t>> squares_;
-};
-
 /// Marks of what is paint for sure: the edges of cars and shadows meet at right angles, too.
 std::vector<Mark> FindMarks(const std::vector<PaintLine>& lines, const std::vector<bool>& is_used) {
-  LinesNearby nearby;
-  for (std::size_t i = 0; i < lines.size(); ++i)
-    if (!is_used[i] && !lines[i].is_one_sided) nearby.Add(lines[i], i);
+  constexpr double kStep = 1;  // [m] along lines
+  const auto is_paint = [&](std::size_t i) { return !is_used[i] && !lines[i].is_one_sided; };
+  SquareIndex<std::size_t> nearby(kStep);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (!is_paint(i)) continue;
+    const int steps = static_cast<int>(lines[i].Length() / kStep) + 1;
+    for (int k = 0; k <= steps; ++k)
+      nearby.Add(lines[i].begin + static_cast<double>(k) / steps * (lines[i].end - lines[i].begin),
+                 i);
+  }
   std::vector<Mark> marks;
-  std::map<std::pair<long, long>, std::vector<std::size_t>> known;  // marks by meters
+  SquareIndex<Mark> known(kSame);
   const auto add = [&](const Mark& mark) {
-    const long x = std::lround(mark.corner.x()), y = std::lround(mark.corner.y());
-    for (long i = x - 1; i <= x + 1; ++i)
-      for (long k = y - 1; k <= y + 1; ++k)
-        if (const auto found = known.find({i, k}); found != known.end())
-          for (const std::size_t other : found->second)
-            if ((marks[other].corner - mark.corner).norm() < kSame &&
-                marks[other].into.dot(mark.into) > 0.9)
-              return;
-    known[{x, y}].push_back(marks.size());
+    bool is_known = false;
+    known.VisitAround(mark.corner, kSame, [&](const Mark& other) {
+      is_known = is_known ||
+                 ((other.corner - mark.corner).norm() < kSame && other.into.dot(mark.into) > 0.9);
+    });
+    if (is_known) return;
+    known.Add(mark.corner, mark);
     marks.push_back(mark);
   };
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (is_used[i] || lines[i].is_one_sided || lines[i].Length() > kLongest) continue;
-    for (const Vector2d& end : {lines[i].begin, lines[i].end})
-      for (const std::size_t k : nearby.At(end))
+    if (!is_paint(i) || lines[i].Length() > kLongest) continue;
+    for (const Vector2d& end : {lines[i].begin, lines[i].end}) {
+      std::set<std::size_t> bars;
+      nearby.VisitAround(end, kStep, [&](std::size_t k) { bars.insert(k); });
+      for (const std::size_t k : bars)
         if (std::optional<Mark> mark = i == k ? std::nullopt : MarkOf(lines[i], lines[k])) {
           mark->stem = i, mark->bar = k;
           add(*mark);
         }
+    }
   }
   return marks;
 }

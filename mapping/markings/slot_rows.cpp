@@ -221,11 +221,12 @@ std::vector<PlanarSlot> FindSlotRows(const std::vector<PaintLine>& lines,
   std::vector<bool> is_used_behind = is_used;
   for (std::size_t i = 0; i < lines.size(); ++i)
     is_used_behind[i] = is_used[i] || lines[i].Length() > options.behind.max_length;
-  std::vector<bool> is_spent = is_used, is_too_long = is_used_behind;
+  const std::vector<bool> was_used_behind = is_used_behind;
   FindSlotsOf(lines, {.measures = options.behind, .is_parallel = true}, options, is_bare,
               is_used_behind, slots);
+  std::vector<bool> is_spent = is_used;  // also by parallel rows; long lines may still be bars
   for (std::size_t i = 0; i < lines.size(); ++i)
-    is_spent[i] = is_used[i] || is_used_behind[i] != is_too_long[i];
+    if (is_used_behind[i] != was_used_behind[i]) is_spent[i] = true;
   AddSlotsAtMarks(lines, is_spent, beside.usual_length, options, is_bare, slots);
   // Where parked cars, or what is taken for them, reach up to every line, none has two sides.
   std::vector<PaintLine> edges = lines;

@@ -1,13 +1,13 @@
 #include "mapping/observation/visible_points.h"
 
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
 #include "core/parallel.h"
 #include "mapping/ground/keyframe_picker.h"
+#include "mapping/ground/square_index.h"
 
 namespace parkade {
 namespace {
@@ -21,34 +21,9 @@ constexpr double kMinAngle =
 constexpr double kSquare = 4.0;  // [m] of the squares in which points are sorted
 constexpr size_t kMasksPerBatch = 16;
 
-/// Points by squares, so that those around a camera are found at once.
-class PointSquares {
- public:
-  explicit PointSquares(const std::vector<Eigen::Vector3d>& points) {
-    for (size_t i = 0; i < points.size(); ++i) squares_[SquareOf(points[i].head<2>())].push_back(i);
-  }
-
-  template <typename Visitor>
-  void VisitAround(const Eigen::Vector2d& center, double radius, const Visitor& visit) const {
-    const auto [low_x, low_y] = SquareOf(center.array() - radius);
-    const auto [high_x, high_y] = SquareOf(center.array() + radius);
-    for (int x = low_x; x <= high_x; ++x)
-      for (int y = low_y; y <= high_y; ++y)
-        if (const auto found = squares_.find({x, y}); found != squares_.end())
-          for (const size_t point : found->second) visit(point);
-  }
-
- private:
-  static std::pair<int, int> SquareOf(const Eigen::Vector2d& point) {
-    return {static_cast<int>(std::floor(point.x() / kSquare)),
-            static_cast<int>(std::floor(point.y() / kSquare))};
-  }
-  std::map<std::pair<int, int>, std::vector<size_t>> squares_;
-};
-
 /// Points that one mask shows as drivable.
 std::vector<size_t> FindShown(const std::vector<Eigen::Vector3d>& points,
-                              const PointSquares& squares, const RigCamera& camera,
+                              const SquareIndex<size_t>& squares, const RigCamera& camera,
                               const Rigid3& world_from_camera, const cv::Mat& mask,
                               const VisiblePointsOptions& options) {
   cv::Mat widened;
@@ -88,7 +63,8 @@ std::vector<bool> FindVisiblePoints(const std::vector<Eigen::Vector3d>& points, 
                                     const VisiblePointsOptions& options) {
   options.Validate();
   const Trajectory trajectory = TrajectoryOf(world_from_imu, log.rig());
-  const PointSquares squares(points);
+  SquareIndex<size_t> squares(kSquare);
+  for (size_t i = 0; i < points.size(); ++i) squares.Add(points[i].head<2>(), i);
   KeyframePicker picker(trajectory, log.rig().cameras.size(), kKeyframeDistance, kMinAngle);
   const std::unique_ptr<RecordStream> records = log.Read(
       {.imu = false,

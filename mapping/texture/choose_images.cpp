@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <utility>
+
+#include "mapping/ground/square_index.h"
 
 namespace parkade {
 namespace {
@@ -41,37 +42,13 @@ struct Place {
   }
 };
 
-class PlaceSquares {
- public:
-  explicit PlaceSquares(std::span<const Eigen::Vector3d> points) {
-    for (const Eigen::Vector3d& point : points)
-      squares_[SquareOf(point.head<2>())].push_back({point, {}});
-  }
-
-  template <typename Visitor>
-  void VisitAround(const Eigen::Vector2d& center, double radius, const Visitor& visit) {
-    const auto [low_x, low_y] = SquareOf(center.array() - radius);
-    const auto [high_x, high_y] = SquareOf(center.array() + radius);
-    for (int x = low_x; x <= high_x; ++x)
-      for (int y = low_y; y <= high_y; ++y)
-        if (const auto found = squares_.find({x, y}); found != squares_.end())
-          for (Place& place : found->second) visit(place);
-  }
-
- private:
-  static std::pair<int, int> SquareOf(const Eigen::Vector2d& point) {
-    return {static_cast<int>(std::floor(point.x() / kSquare)),
-            static_cast<int>(std::floor(point.y() / kSquare))};
-  }
-  std::map<std::pair<int, int>, std::vector<Place>> squares_;
-};
-
 }  // namespace
 
 std::vector<bool> ChooseImages(std::span<GroundImage> images,
                                std::span<const Eigen::Vector3d> places, double max_range,
                                const std::optional<ObstacleChecks>& obstacles) {
-  PlaceSquares squares(places);
+  SquareIndex<Place> squares(kSquare);
+  for (const Eigen::Vector3d& point : places) squares.Add(point.head<2>(), {point, {}});
   std::vector<bool> is_chosen(images.size());
   for (std::size_t i = images.size(); i-- > 0;) {
     GroundImage& image = images[i];
