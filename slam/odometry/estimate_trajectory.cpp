@@ -24,6 +24,9 @@ constexpr double kMatchInterval =
 constexpr int kMissesPerTry =
     4;  // images after which a track is sought again that the other camera did not show
 
+constexpr size_t kCamerasOfAllTracks = 3;  // that follow as many corners as one alone would
+constexpr int kFewestTracks = 20;          // of a camera
+
 using Batch = std::vector<SensorRecord>;
 
 struct CameraPair {
@@ -33,13 +36,22 @@ struct CameraPair {
       misses;  // per track of `from`: images since it was sought in vain
 };
 
+/// Many cameras need fewer corners each: together they follow what three may.
+FeatureTrackerOptions ShareTracks(FeatureTrackerOptions options, size_t num_cameras) {
+  if (num_cameras > kCamerasOfAllTracks)
+    options.max_tracks = std::max(
+        kFewestTracks, static_cast<int>(options.max_tracks * kCamerasOfAllTracks / num_cameras));
+  return options;
+}
+
 /// Tracks the images of all cameras, batch by batch.
 class FrontEnd {
  public:
   FrontEnd(const Rig& rig, const OdometryOptions& options) : options_(options) {
+    const FeatureTrackerOptions tracker = ShareTracks(options.tracker, rig.cameras.size());
     for (size_t c = 0; c < rig.cameras.size(); ++c) {
       trackers_.push_back(
-          std::make_unique<FeatureTracker>(rig.cameras[c], static_cast<int>(c), options.tracker));
+          std::make_unique<FeatureTracker>(rig.cameras[c], static_cast<int>(c), tracker));
       last_times_.emplace_back();
     }
     if (!options.match_across_cameras) return;

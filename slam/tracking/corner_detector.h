@@ -27,6 +27,7 @@ class CornerDetector {
       const std::vector<Eigen::Vector2d>& present,
       const std::function<bool(const Eigen::Vector2d& pixel)>& is_wanted) const;
 
+  int cell_size() const { return cell_size_; }              ///< [px]
   double min_distance() const { return 0.6 * cell_size_; }  ///< [px]
 
  private:

@@ -20,6 +20,8 @@ constexpr double kMinSimilarity =
     0.8;  ///< correlation with the reference patch of a track that is believed
 constexpr double kMaxCreep =
     1.5;  ///< [px] between where optical flow and where the reference patch puts a track
+constexpr double kMaxSurprise =
+    2.0;  ///< [px] between where the last step leads and where the reference patch puts a track
 constexpr double kMaxGrowth = 2.5;   ///< of a patch's area before it gets a new reference
 constexpr double kMovingFlow = 1.0;  ///< [px] median flow of a car that moves
 
@@ -48,6 +50,7 @@ FeatureTracker::FeatureTracker(const RigCamera& camera, int camera_index,
       usable_(lens_usable_),
       detector_(lens_usable_, options.max_tracks),
       ego_mask_(camera.model.width(), camera.model.height()),
+      barren_(camera.model.width(), camera.model.height(), 2 * detector_.cell_size()),
       next_track_(static_cast<std::int64_t>(camera_index) << kCameraShift) {}
 
 TrackedFrame FeatureTracker::Track(const CameraFrame& frame,
@@ -129,21 +132,30 @@ std::vector<std::optional<Eigen::Vector2d>> FeatureTracker::Predict(double secon
   return predicted;
 }
 
-/// Lucas-Kanade and back again, from the predicted pixels; tracks without one are left out.
+/// Finds tracks near the predicted pixels; those without one are left out. What still looks like
+/// its reference where the last step leads needs no Lucas-Kanade, there and back again.
 std::vector<FeatureTracker::Found> FeatureTracker::Follow(
     const TrackedImage& now, std::vector<std::optional<Eigen::Vector2d>> predicted) const {
+  const cv::Mat& image = now.pyramid[0];
+  std::vector<std::optional<Found>> recognized(predicted.size());
   std::vector<Eigen::Vector2d> before;
   for (size_t i = 0; i < predicted.size(); ++i) {
     before.push_back(last_.observations[i].pixel);
-    if (predicted[i] && !model_.IsInImage(*predicted[i])) predicted[i].reset();
+    if (!predicted[i]) continue;
+    if (model_.IsInImage(*predicted[i]) && memories_[i].parallax) {
+      Found track = Refine(image, i, *predicted[i], kMaxSurprise);
+      if (track.image_from_reference && IsSet(lens_usable_, track.observation.pixel))
+        recognized[i] = std::move(track);
+    }
+    if (recognized[i] || !model_.IsInImage(*predicted[i])) predicted[i].reset();
   }
   const auto after =
       FollowThereAndBack(last_.pyramid, now.pyramid, before, predicted,
                          {.window = options_.window, .max_round_trip = options_.max_round_trip});
   std::vector<Found> found;
   for (size_t i = 0; i < after.size(); ++i) {
-    if (!after[i] || !IsSet(lens_usable_, *after[i])) continue;
-    Found track = Refine(now.pyramid[0], i, *after[i]);
+    if (!recognized[i] && (!after[i] || !IsSet(lens_usable_, *after[i]))) continue;
+    Found track = recognized[i] ? *recognized[i] : Refine(image, i, *after[i], kMaxCreep);
     const FeatureObservation& last = last_.observations[i];
     const std::optional<FeatureObservation> observation =
         Observe(last.track, track.observation.pixel);
@@ -155,9 +167,10 @@ std::vector<FeatureTracker::Found> FeatureTracker::Follow(
   return found;
 }
 
-/// The pixel that agrees with the track's reference patch, where it still looks like that.
+/// The pixel that agrees with the track's reference patch, where it still looks like that and lies
+/// within `max_shift` [px].
 FeatureTracker::Found FeatureTracker::Refine(const cv::Mat& image, size_t origin,
-                                             const Eigen::Vector2d& pixel) const {
+                                             const Eigen::Vector2d& pixel, double max_shift) const {
   Found track;
   track.origin = origin;
   track.observation.pixel = pixel;
@@ -165,7 +178,7 @@ FeatureTracker::Found FeatureTracker::Refine(const cv::Mat& image, size_t origin
   if (!memory.reference) return track;
   const auto aligned = memory.reference->AlignIn(image, pixel, memory.image_from_reference);
   if (!aligned || aligned->correlation < kMinSimilarity ||
-      (aligned->pixel - pixel).norm() > kMaxCreep)
+      (aligned->pixel - pixel).norm() > max_shift)
     return track;
   track.observation.pixel = aligned->pixel;
   track.image_from_reference = aligned->image_from_reference;
@@ -246,6 +259,10 @@ void FeatureTracker::Keep(std::vector<Found> found,
   std::vector<Eigen::Vector2d> pixels;
   pixels.reserve(kept.size());
   for (const Found& track : kept) pixels.push_back(track.observation.pixel);
+  std::vector<bool> lives(last_.observations.size(), false);
+  for (const Found& track : kept) lives[track.origin] = true;
+  for (size_t i = 0; i < lives.size(); ++i)
+    if (!memories_[i].parallax) barren_.Note(last_.observations[i].pixel, lives[i]);
   std::vector<Memory> memories;
   std::vector<double> flows;
   // Points that a rear camera leaves behind converge on its vanishing point, where their tracks
@@ -278,6 +295,7 @@ void FeatureTracker::AddCorners(TrackedImage& now) {
     field.Add(now.observations[i].bearing, memories_[i].parallax.value());
   }
   const auto stays = [&](const Eigen::Vector2d& pixel) {
+    if (barren_.Rests(pixel, statistics_.frames_tracked)) return false;
     const std::optional<Eigen::Vector3d> bearing = model_.Unproject(pixel);
     if (!bearing) return false;
     const auto next = model_.Project(*bearing + field.At(*bearing).value_or(0) * direction_);

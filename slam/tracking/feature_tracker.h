@@ -2,11 +2,13 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/drive_log.h"
 #include "core/rig.h"
+#include "slam/tracking/barren_cells.h"
 #include "slam/tracking/corner_detector.h"
 #include "slam/tracking/ego_mask.h"
 #include "slam/tracking/epipolar_check.h"
@@ -31,11 +33,11 @@ struct FeatureTrackerStatistics {
   std::int64_t lost_on_own_body = 0;
 };
 
-/// Follows corners through the images of ONE camera: pyramidal Lucas-Kanade on
-/// locally normalized images, started where the predicted rotation moves each
-/// corner through the lens model, forward-backward check, sub-pixel alignment with the track's
-/// reference patch, epipolar check with the predicted rotation, and new corners where the image is
-/// empty.
+/// Follows corners through the images of ONE camera, on locally normalized images: where the
+/// predicted rotation and its last parallax lead, a track is aligned with its reference patch; one
+/// that does not look like it there, and a new one, by pyramidal Lucas-Kanade with a
+/// forward-backward check, and then aligned. Then an epipolar check with the predicted rotation,
+/// and new corners where the image is empty and tracks live.
 ///
 /// J.-Y. Bouguet, "Pyramidal implementation of the affine Lucas Kanade feature
 /// tracker", 2001; J. Shi, C. Tomasi, "Good features to track", CVPR 1994.
@@ -74,8 +76,8 @@ class FeatureTracker {
 
   /// What is remembered of a track beside its last observation.
   struct Memory {
-    std::optional<double> parallax;  ///< in the step into last_; none: new
-    std::optional<ReferencePatch> reference;
+    std::optional<double> parallax;                   ///< in the step into last_; none: new
+    std::unique_ptr<const ReferencePatch> reference;  ///< large, and handed on from image to image
     Eigen::Matrix2d image_from_reference = Eigen::Matrix2d::Identity();
   };
 
@@ -89,7 +91,8 @@ class FeatureTracker {
                            const EpipolarCheck& check) const;
   void Keep(std::vector<Found> found, const std::vector<std::optional<Eigen::Vector2d>>& tried,
             const EpipolarCheck& check, TrackedImage& now);
-  Found Refine(const cv::Mat& image, size_t origin, const Eigen::Vector2d& pixel) const;
+  Found Refine(const cv::Mat& image, size_t origin, const Eigen::Vector2d& pixel,
+               double max_shift) const;
   static Memory Remember(Memory memory, const Found& track, const cv::Mat& image);
   void AddCorners(TrackedImage& now);
   std::optional<FeatureObservation> Observe(std::int64_t track, const Eigen::Vector2d& pixel) const;
@@ -102,6 +105,7 @@ class FeatureTracker {
   cv::Mat usable_;       ///< lens_usable_ without the own body
   CornerDetector detector_;
   EgoMask ego_mask_;
+  BarrenCells barren_;
   TrackedImage last_;
   std::vector<Memory> memories_;  ///< one per observation of last_
   Eigen::Vector3d direction_ =

@@ -17,7 +17,9 @@ struct FeatureTrackerOptions {
   template <typename Visitor>
   void VisitFields(Visitor&& visit) {
     visit("max_tracks", max_tracks,
-          OptionAbout{"Each camera follows this many corners at most.", "", 20, 2000});
+          OptionAbout{"Each camera follows this many corners at most, and more than three cameras "
+                      "together as many as three.",
+                      "", 20, 2000});
   }
   void Validate() const;  ///< throws Error{kUsage}
 };

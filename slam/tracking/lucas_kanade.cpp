@@ -9,7 +9,8 @@ namespace parkade {
 namespace {
 
 constexpr int kMaxIterations = 20;     ///< per level
-constexpr double kConvergence = 0.02;  ///< [px]
+constexpr double kConvergence = 0.02;  ///< [px] on the image itself
+constexpr double kCoarse = 0.1;        ///< [px] on smaller levels, which only start the next
 constexpr double kNearPrediction = 3;  ///< [px] within which the way back needs no coarse levels
 constexpr size_t kLevelsNear = 2;      ///< of the pyramid, that the way back needs then
 
@@ -22,15 +23,17 @@ double Norm(const cv::Point2f& step) {
   return std::sqrt(x * x + y * y);
 }
 
-/// From `at` [px of this level] to where the patch is; nothing where that leaves the image.
-std::optional<cv::Point2f> Converge(const FlowPatch& patch, const cv::Mat& image, cv::Point2f at) {
+/// From `at` [px of this level] to where the patch is, until a step is shorter than `convergence`
+/// [px]; nothing where that leaves the image.
+std::optional<cv::Point2f> Converge(const FlowPatch& patch, const cv::Mat& image, cv::Point2f at,
+                                    double convergence) {
   constexpr float kSame = 0.01f;  // [px] two steps to and fro
   cv::Point2f last;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const std::optional<cv::Point2f> step = patch.StepFrom(image, at);
     if (!step) return std::nullopt;
     at += *step;
-    if (Norm(*step) <= kConvergence) break;
+    if (Norm(*step) <= convergence) break;
     if (iteration > 0 && std::abs(step->x + last.x) < kSame && std::abs(step->y + last.y) < kSame) {
       at -= 0.5f * *step;
       break;
@@ -49,7 +52,8 @@ std::optional<cv::Point2f> Follow(const std::vector<cv::Mat>& from, const std::v
     const float scale = 1.0f / static_cast<float>(1 << level);
     const bool is_textured = patch.Take(from[level], scale * point);
     const std::optional<cv::Point2f> found =
-        is_textured ? Converge(patch, to[level], scale * at) : std::nullopt;
+        is_textured ? Converge(patch, to[level], scale * at, level == 0 ? kConvergence : kCoarse)
+                    : std::nullopt;
     if (found) at = *found / scale;
     if (!found && level == 0) return std::nullopt;
   }

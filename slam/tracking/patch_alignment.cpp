@@ -56,7 +56,8 @@ std::optional<PatchTemplate> MakeTemplate(const cv::Mat& image, const Eigen::Vec
     gradient.array() -= gradient.mean();
     patch.jacobian.col(axis) = gradient - patch.values * patch.values.dot(gradient);
   }
-  const Eigen::Matrix2d hessian = (patch.jacobian.transpose() * patch.jacobian).cast<double>();
+  const Eigen::Matrix2d hessian =
+      patch.jacobian.transpose().lazyProduct(patch.jacobian).cast<double>();
   const double half_trace = 0.5 * hessian.trace();
   const double smaller =
       half_trace - std::sqrt(std::max(0.0, half_trace * half_trace - hessian.determinant()));

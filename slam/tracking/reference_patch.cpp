@@ -25,15 +25,15 @@ bool ReferencePatch::Normalize(Samples& samples, float* norm) {
   return true;
 }
 
-std::optional<ReferencePatch> ReferencePatch::Take(const cv::Mat& image,
-                                                   const Eigen::Vector2d& pixel) {
+std::unique_ptr<const ReferencePatch> ReferencePatch::Take(const cv::Mat& image,
+                                                           const Eigen::Vector2d& pixel) {
   Eigen::Matrix<float, kEdge + 2, kEdge + 2> raw;
-  if (!SampleGrid<kEdge + 2>(image, pixel, Eigen::Matrix2d::Identity(), raw)) return std::nullopt;
+  if (!SampleGrid<kEdge + 2>(image, pixel, Eigen::Matrix2d::Identity(), raw)) return nullptr;
   const Eigen::Matrix<float, kEdge, kEdge> inner = raw.block<kEdge, kEdge>(1, 1);
   ReferencePatch patch;
   patch.values_ = Eigen::Map<const Samples>(inner.data());
   float norm = 0;
-  if (!Normalize(patch.values_, &norm)) return std::nullopt;
+  if (!Normalize(patch.values_, &norm)) return nullptr;
 
   Eigen::Index index = 0;
   for (int column = 0; column < kEdge; ++column) {
@@ -52,13 +52,13 @@ std::optional<ReferencePatch> ReferencePatch::Take(const cv::Mat& image,
     patch.jacobian_.col(i) = gradient - patch.values_ * patch.values_.dot(gradient);
   }
   Eigen::Matrix<double, 6, 6> hessian =
-      (patch.jacobian_.transpose() * patch.jacobian_).cast<double>();
+      patch.jacobian_.transpose().lazyProduct(patch.jacobian_).cast<double>();
   hessian.bottomRightCorner<4, 4>().diagonal().array() +=
       kAffineRidge * hessian.diagonal().tail<4>().mean();
   const Eigen::LLT<Eigen::Matrix<double, 6, 6>> factor(hessian);
-  if (factor.info() != Eigen::Success || factor.rcond() < 1e-7) return std::nullopt;
+  if (factor.info() != Eigen::Success || factor.rcond() < 1e-7) return nullptr;
   patch.inverse_hessian_ = factor.solve(Eigen::Matrix<double, 6, 6>::Identity());
-  return patch;
+  return std::make_unique<const ReferencePatch>(patch);
 }
 
 std::optional<ReferencePatch::Alignment> ReferencePatch::AlignIn(

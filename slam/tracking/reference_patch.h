@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 
@@ -17,8 +18,9 @@ class ReferencePatch {
  public:
   static constexpr int kEdge = 13;  ///< [px]
 
-  /// Nothing where the patch leaves the image (CV_8UC1) or has too little structure.
-  static std::optional<ReferencePatch> Take(const cv::Mat& image, const Eigen::Vector2d& pixel);
+  /// Null where the patch leaves the image (CV_8UC1) or has too little structure.
+  static std::unique_ptr<const ReferencePatch> Take(const cv::Mat& image,
+                                                    const Eigen::Vector2d& pixel);
 
   struct Alignment {
     Eigen::Vector2d pixel;                 ///< [px]

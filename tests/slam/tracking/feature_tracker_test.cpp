@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <set>
@@ -111,6 +112,36 @@ TEST_F(FeatureTrackerTest, ObservationsAreConsistentAndSpreadOverTheImage) {
   EXPECT_EQ(tracker.last_image().observations.size(), frame.observations.size());
 }
 
+TEST_F(FeatureTrackerTest, FewTracksBeginWhereNoneLives) {
+  FeatureTracker tracker(Camera(), 0);
+  cv::RNG noise(7);
+  std::int64_t last_track = -1;
+  std::vector<int> begun_above, begun_below;
+  for (int step = 0; step < 40; ++step) {
+    cv::Mat image = camera_.Render(PoseAt(step), 1.0, step);
+    cv::Mat below = image.rowRange(250, image.rows);  // another pattern in each image
+    cv::Mat pattern(below.rows / 4, below.cols / 4, CV_8UC1);
+    noise.fill(pattern, cv::RNG::UNIFORM, 60, 200);
+    cv::resize(pattern, below, below.size(), 0, 0, cv::INTER_CUBIC);
+    const TrackedFrame frame =
+        tracker.Track(Frame(step, image), Rotation(PoseAt(std::max(0, step - 1)), PoseAt(step)));
+    begun_above.push_back(0);
+    begun_below.push_back(0);
+    for (const FeatureObservation& seen : frame.observations)
+      if (seen.track > last_track) ++(seen.pixel.y() > 250 ? begun_below : begun_above).back();
+    for (const FeatureObservation& seen : frame.observations)
+      last_track = std::max(last_track, seen.track);
+  }
+
+  const auto sum = [](const std::vector<int>& counts, int first) {
+    return std::accumulate(counts.begin() + first, counts.begin() + first + 10, 0);
+  };
+  EXPECT_GT(begun_below[0], 20);
+  EXPECT_LT(sum(begun_below, 30), 0.7 * sum(begun_below, 0)) << "they rest";
+  EXPECT_GT(sum(begun_below, 30), 10) << "but are tried now and then";
+  EXPECT_GT(sum(begun_above, 30), 20) << "where tracks live, new ones begin as before";
+}
+
 TEST_F(FeatureTrackerTest, PointsLeftBehindDoNotCrowdTheVanishingPoint) {
   const RenderedRoom corridor({-20, -4, 0}, {6, 4, 3}, 5);
   const RoomCamera camera(SurroundFisheye(), corridor);
@@ -160,7 +191,8 @@ TEST_F(FeatureTrackerTest, APatchThatMovesOnItsOwnLosesItsTracks) {
     }
   }
 
-  EXPECT_GT(on_patch, 60) << "the detector does see the patch";
+  EXPECT_GT(on_patch, 40)
+      << "the detector does see the patch, though it begins less there by and by";
   EXPECT_LT(old_on_patch, 25) << "what was followed on it over ten frames";
   EXPECT_GT(old_elsewhere, 900);
   EXPECT_GT(tracker.statistics().lost_in_geometry, 20);
