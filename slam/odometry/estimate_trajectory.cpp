@@ -24,8 +24,8 @@ constexpr double kMatchInterval =
 constexpr int kMissesPerTry =
     4;  // images after which a track is sought again that the other camera did not show
 
-constexpr size_t kCamerasOfAllTracks = 3;  // that follow as many corners as one alone would
-constexpr int kFewestTracks = 20;          // of a camera
+constexpr int kCamerasOfAllTracks = 3;  // that follow as many corners as one alone would
+constexpr int kFewestTracks = 20;       // of a camera
 
 using Batch = std::vector<SensorRecord>;
 
@@ -38,9 +38,9 @@ struct CameraPair {
 
 /// Many cameras need fewer corners each: together they follow what three may.
 FeatureTrackerOptions ShareTracks(FeatureTrackerOptions options, size_t num_cameras) {
-  if (num_cameras > kCamerasOfAllTracks)
-    options.max_tracks = std::max(
-        kFewestTracks, static_cast<int>(options.max_tracks * kCamerasOfAllTracks / num_cameras));
+  const auto count = static_cast<int>(num_cameras);
+  if (count > kCamerasOfAllTracks)
+    options.max_tracks = std::max(kFewestTracks, options.max_tracks * kCamerasOfAllTracks / count);
   return options;
 }
 
