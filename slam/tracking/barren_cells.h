@@ -8,7 +8,7 @@ namespace parkade {
 
 /// Remembers by cells of an image whether new tracks live to see the next image. Where they do not
 /// (asphalt that rushes by below a camera, glare, noise) a cell rests most of the time: to detect,
-/// follow and match what is lost at once cost a third of tracking.
+/// follow and match what is lost at once cost a tenth of tracking.
 class BarrenCells {
  public:
   /// \param cell_size  [px]

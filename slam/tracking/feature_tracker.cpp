@@ -141,13 +141,12 @@ std::vector<FeatureTracker::Found> FeatureTracker::Follow(
   std::vector<Eigen::Vector2d> before;
   for (size_t i = 0; i < predicted.size(); ++i) {
     before.push_back(last_.observations[i].pixel);
-    if (!predicted[i]) continue;
-    if (model_.IsInImage(*predicted[i]) && memories_[i].parallax) {
-      Found track = Refine(image, i, *predicted[i], kMaxSurprise);
-      if (track.image_from_reference && IsSet(lens_usable_, track.observation.pixel))
-        recognized[i] = std::move(track);
-    }
-    if (recognized[i] || !model_.IsInImage(*predicted[i])) predicted[i].reset();
+    if (predicted[i] && !model_.IsInImage(*predicted[i])) predicted[i].reset();
+    if (!predicted[i] || !memories_[i].parallax) continue;
+    Found track = Refine(image, i, *predicted[i], kMaxSurprise);
+    if (!track.image_from_reference || !IsSet(lens_usable_, track.observation.pixel)) continue;
+    recognized[i] = std::move(track);
+    predicted[i].reset();
   }
   const auto after =
       FollowThereAndBack(last_.pyramid, now.pyramid, before, predicted,
