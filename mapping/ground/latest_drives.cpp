@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "mapping/ground/nearest_views.h"
 
 namespace parkade {
 namespace {
@@ -9,6 +13,8 @@ namespace {
 constexpr double kSquare = 4.0;   // [m]
 constexpr double kDeck = 3.0;     // [m]
 constexpr int kEnoughViews = 24;  // of a square, at least
+// Views of a square that are chosen: fewer of the latest drive lose corners that others hide.
+constexpr int kViewsOfLatest = 40, kViewsOfEarlier = 12;
 
 int Index(double coordinate, double step) {
   return static_cast<int>(std::floor(coordinate / step));
@@ -22,18 +28,31 @@ LatestDrives::Square LatestDrives::SquareOf(const PatchView& view,
           Index(point_in_site.y(), kSquare), Index(point_in_site.x(), kSquare)};
 }
 
-LatestDrives::LatestDrives(std::span<const PatchView> views, int max_drives) {
-  std::map<Square, std::map<int, int>> num_views;  // by square and rank of the drive
+/// Calls `visit(square, middle)` for squares whose middle is looked at.
+template <typename Visitor>
+void LatestDrives::ForEachMiddle(const PatchView& view, const Visitor& visit) {
+  if (view.extent.isEmpty()) return;
+  for (int y = Index(view.extent.min().y() + 0.5 * kSquare, kSquare);
+       (y + 0.5) * kSquare <= view.extent.max().y(); ++y)
+    for (int x = Index(view.extent.min().x() + 0.5 * kSquare, kSquare);
+         (x + 0.5) * kSquare <= view.extent.max().x(); ++x) {
+      const Eigen::Vector2d middle((x + 0.5) * kSquare, (y + 0.5) * kSquare);
+      visit(SquareOf(view, middle), middle);
+    }
+}
+
+LatestDrives::LatestDrives(std::span<const PatchView> views, int max_drives) : views_(views) {
+  NumViews num_views;
   for (const PatchView& view : views) {
     const int rank = ranks_.try_emplace(view.drive, static_cast<int>(ranks_.size())).first->second;
-    if (view.extent.isEmpty()) continue;
-    // Squares whose middle is looked at.
-    for (int y = Index(view.extent.min().y() + 0.5 * kSquare, kSquare);
-         (y + 0.5) * kSquare <= view.extent.max().y(); ++y)
-      for (int x = Index(view.extent.min().x() + 0.5 * kSquare, kSquare);
-           (x + 0.5) * kSquare <= view.extent.max().x(); ++x)
-        ++num_views[SquareOf(view, {(x + 0.5) * kSquare, (y + 0.5) * kSquare})][rank];
+    ForEachMiddle(view,
+                  [&](const Square& square, const Eigen::Vector2d&) { ++num_views[square][rank]; });
   }
+  FindOldest(num_views, max_drives);
+  ChooseViews(num_views);
+}
+
+void LatestDrives::FindOldest(const NumViews& num_views, int max_drives) {
   for (const auto& [square, of_drives] : num_views) {
     int count = 0, sum = 0;
     for (auto drive = of_drives.rbegin(); drive != of_drives.rend(); ++drive) {
@@ -45,9 +64,41 @@ LatestDrives::LatestDrives(std::span<const PatchView> views, int max_drives) {
   }
 }
 
-LatestDrives::Share LatestDrives::ShareOf(const PatchView& view) const {
+/// Those that look at no square's middle are all chosen.
+void LatestDrives::ChooseViews(const NumViews& num_views) {
+  std::map<std::pair<Square, int>, std::uint32_t> targets;  // squares as a drive sees them
+  std::vector<int> wanted;
+  std::vector<ViewOf> views_of;
+  std::vector<std::size_t> narrow;
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    const int rank = ranks_.at(views_[i].drive);
+    const Eigen::Vector2d place = views_[i].site_from_body.translation.head<2>();
+    bool is_narrow = true;
+    ForEachMiddle(views_[i], [&](const Square& square, const Eigen::Vector2d& middle) {
+      is_narrow = false;
+      if (!HasSay(rank, square)) return;
+      const auto [target, is_new] =
+          targets.try_emplace({square, rank}, static_cast<std::uint32_t>(wanted.size()));
+      const bool is_latest = rank == num_views.at(square).rbegin()->first;
+      if (is_new) wanted.push_back(is_latest ? kViewsOfLatest : kViewsOfEarlier);
+      views_of.push_back({static_cast<float>((place - middle).norm()),
+                          static_cast<std::uint32_t>(i), target->second});
+    });
+    if (is_narrow) narrow.push_back(i);
+  }
+  is_chosen_ = ChooseNearest(std::move(views_of), views_.size(), std::move(wanted));
+  for (const std::size_t i : narrow) is_chosen_[i] = true;
+}
+
+bool LatestDrives::HasSay(int rank, const Square& square) const {
+  const auto oldest = oldest_.find(square);
+  return oldest == oldest_.end() || rank >= oldest->second;
+}
+
+LatestDrives::Share LatestDrives::ShareOf(std::size_t index) const {
   Share share;
-  if (view.extent.isEmpty()) return share;
+  const PatchView& view = views_[index];
+  if (view.extent.isEmpty() || !is_chosen_[index]) return share;
   share.x_ = Index(view.extent.min().x(), kSquare),
   share.y_ = Index(view.extent.min().y(), kSquare);
   share.width_ = Index(view.extent.max().x(), kSquare) - share.x_ + 1;
@@ -55,14 +106,15 @@ LatestDrives::Share LatestDrives::ShareOf(const PatchView& view) const {
   const int rank = ranks_.at(view.drive);
   for (int y = share.y_; y < share.y_ + share.height_; ++y)
     for (int x = share.x_; x < share.x_ + share.width_; ++x) {
-      const auto found = oldest_.find(SquareOf(view, {(x + 0.5) * kSquare, (y + 0.5) * kSquare}));
-      share.counts_.push_back(found == oldest_.end() || rank >= found->second);
+      share.counts_.push_back(
+          HasSay(rank, SquareOf(view, {(x + 0.5) * kSquare, (y + 0.5) * kSquare})));
       share.num_counting_ += share.counts_.back();
     }
   return share;
 }
 
 bool LatestDrives::Share::Counts(const Eigen::Vector2d& point_in_site) const {
+  if (is_none()) return false;
   if (num_counting_ == width_ * height_) return true;
   const int x = std::clamp(Index(point_in_site.x(), kSquare) - x_, 0, width_ - 1);
   const int y = std::clamp(Index(point_in_site.y(), kSquare) - y_, 0, height_ - 1);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <map>
 #include <span>
 #include <tuple>
@@ -10,13 +11,14 @@
 
 namespace parkade {
 
-/// Which drives have a say in what a place looks like: the latest few that looked at it well. What
-/// earlier ones saw would be outweighed anyway, since evidence is bounded, and so what a site costs
-/// is in proportion to its ground and not to the number of its drives. Asked of squares of 4 m,
-/// deck by deck; by where views reach, not by what they show.
+/// Which views have a say in what a place looks like: those of the latest few drives that looked at
+/// it well, of each of them the nearest. What earlier drives saw would be outweighed anyway, since
+/// evidence is bounded, and so what a site costs is in proportion to its ground and not to the
+/// number of its drives. Asked of squares of 4 m, deck by deck; by where views reach, not by what
+/// they show.
 class LatestDrives {
  public:
-  /// \param views  drive after drive, the latest last
+  /// \param views  drive after drive, the latest last; borrowed
   LatestDrives(std::span<const PatchView> views, int max_drives);
 
   /// Where samples of one view count.
@@ -32,15 +34,26 @@ class LatestDrives {
     std::vector<bool> counts_;
     int num_counting_ = 0;
   };
-  Share ShareOf(const PatchView& view) const;
+  /// `index` is that of the view.
+  Share ShareOf(std::size_t index) const;
 
  private:
   using Square = std::tuple<int, int, int>;  // deck, y, x
-  static Square SquareOf(const PatchView& view, const Eigen::Vector2d& point_in_site);
+  /// By square and rank of the drive.
+  using NumViews = std::map<Square, std::map<int, int>>;
 
+  static Square SquareOf(const PatchView& view, const Eigen::Vector2d& point_in_site);
+  template <typename Visitor>
+  static void ForEachMiddle(const PatchView& view, const Visitor& visit);
+  void FindOldest(const NumViews& num_views, int max_drives);
+  void ChooseViews(const NumViews& num_views);
+  bool HasSay(int rank, const Square& square) const;
+
+  std::span<const PatchView> views_;
   std::map<int, int> ranks_;  // of drives, in the order of the views
   std::map<Square, int>
       oldest_;  // rank of the first drive that counts; squares where all count are left out
+  std::vector<bool> is_chosen_;  // by view
 };
 
 }  // namespace parkade

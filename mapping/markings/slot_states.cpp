@@ -7,6 +7,7 @@
 #include "core/math/fast_floor.h"
 #include "core/parallel.h"
 #include "mapping/ground/isometry_of.h"
+#include "mapping/ground/nearest_views.h"
 #include "mapping/ground/patch_index.h"
 
 namespace parkade {
@@ -21,7 +22,10 @@ constexpr double kSquare = 1.0;          // [m] of the squares in which slots ar
 constexpr double kReach = 0.5;  // [m] that a ray may move between its own plane and the slot's
 constexpr double kMaxHeightStep = 1.2;  // [m] between those
 constexpr int kColumns = 8, kRows = 16;
-constexpr float kKnown = 0.15F;  // of evidence in a cell
+constexpr float kKnown = 0.15F;   // of evidence in a cell
+constexpr int kViewsOfSlot = 20;  // by a drive
+constexpr double kMaxBody = 2.5;  // [m] above its ground: what is higher is on another deck
+constexpr std::size_t kBatch = 64;
 
 using Cells = std::array<float, kColumns * kRows>;
 
@@ -117,6 +121,34 @@ std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenP
   return hits;
 }
 
+/// Views that tell of the slots, some of every drive for each: the nearest ones.
+std::vector<std::size_t> ChooseViews(std::span<const PatchView> views, std::size_t num_drives,
+                                     const std::vector<ParkingSlot>& slots) {
+  std::vector<Eigen::AlignedBox2d> boxes(slots.size());
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    for (const Eigen::Vector3d& corner : slots[i].corners) boxes[i].extend(corner.head<2>().eval());
+  std::vector<ViewOf> views_of;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const auto drive = static_cast<std::size_t>(views[i].drive);
+    if (drive >= num_drives) continue;
+    const Eigen::Vector3d& body = views[i].site_from_body.translation;
+    for (std::size_t slot = 0; slot < slots.size(); ++slot) {
+      const double above = body.z() - slots[slot].corners[0].z();
+      if (above < -kMaxHeightStep || above > kMaxBody) continue;
+      if (views[i].extent.exteriorDistance(boxes[slot]) > kReach) continue;
+      views_of.push_back({static_cast<float>((body.head<2>() - boxes[slot].center()).norm()),
+                          static_cast<std::uint32_t>(i),
+                          static_cast<std::uint32_t>(drive * slots.size() + slot)});
+    }
+  }
+  const std::vector<bool> is_chosen = ChooseNearest(
+      std::move(views_of), views.size(), std::vector<int>(num_drives * slots.size(), kViewsOfSlot));
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (is_chosen[i]) chosen.push_back(i);
+  return chosen;
+}
+
 SlotState StateOf(const Cells& cells) {
   double num_free = 0, num_other = 0;
   for (const float evidence : cells) {
@@ -139,16 +171,15 @@ void SeeSlots(const PatchSource& patches, std::span<const DrivenPath> paths, std
   grids.reserve(slots.size());
   for (const ParkingSlot& slot : slots) grids.emplace_back(slot);
   std::vector<std::vector<Cells>> cells(num_drives, std::vector<Cells>(slots.size(), Cells{}));
-  constexpr std::size_t kBatch = 64;
-  const std::span<const PatchView> views = patches.views();
-  for (std::size_t begin = 0; begin < views.size(); begin += kBatch) {
-    const std::size_t count = std::min(kBatch, views.size() - begin);
-    const auto hits = ParallelMap(count, [&](std::size_t i) {
-      return FindHits(patches.Read(begin + i), paths, squares, grids);
+  const std::vector<std::size_t> chosen = ChooseViews(patches.views(), num_drives, slots);
+  for (std::size_t begin = 0; begin < chosen.size(); begin += kBatch) {
+    const std::span batch =
+        std::span(chosen).subspan(begin, std::min(kBatch, chosen.size() - begin));
+    const auto hits = ParallelMap(batch.size(), [&](std::size_t i) {
+      return FindHits(patches.Read(batch[i]), paths, squares, grids);
     });
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto drive = static_cast<std::size_t>(views[begin + i].drive);
-      if (drive >= num_drives) continue;
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      const auto drive = static_cast<std::size_t>(patches.views()[batch[i]].drive);
       for (const Hit& hit : hits[i]) cells[drive][hit.slot][hit.cell] += hit.evidence;
     }
   }

@@ -21,9 +21,9 @@ namespace parkade {
 /// ramp ahead is
 ///    painted where it is, and not where the car's own plane would have it. Free space is a
 ///    log-odds sum, bounded; of a drive that contradicts those before it nothing else counts there,
-///    and at most `latest_drives` that looked at a place do (see LatestDrives); a cell's color is
-///    the median of its nearest observations; what a car drove over is free, until a later drive
-///    sees otherwise.
+///    and at most `latest_drives` that looked at a place do, by their nearest views (see
+///    LatestDrives); a cell's color is the median of its nearest observations; what a car drove
+///    over is free, until a later drive sees otherwise.
 /// 3. The free space is corrected from above (OutlineNetwork).
 /// 4. Pinholes are filled, islands that no car drove on and that are small are dropped.
 ///

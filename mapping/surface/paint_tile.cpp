@@ -120,7 +120,7 @@ void PaintDrives(const PatchSource& patches, std::span<const DrivenPath> paths,
     const DrivenPath* path = FindPath(paths, drive);
     std::vector<size_t> in_reach;
     for (; end < views.size() && views[end].drive == drive; ++end)
-      if (painter.IsInReach(views[end], path) && !latest.ShareOf(views[end]).is_none())
+      if (painter.IsInReach(views[end], path) && !latest.ShareOf(end).is_none())
         in_reach.push_back(end);
     if (!in_reach.empty()) painter.PaintDrive(patches, in_reach, path, &latest);
     if (path) painter.MarkDriven(*path);

@@ -194,14 +194,13 @@ void SurfacePainter::AddTo(int patch, const Eigen::Vector2i& begin, const Eigen:
 
 SurfacePainter::SharedHits SurfacePainter::FindHits(const PatchView& view, const GroundPatch& patch,
                                                     const DrivenPath* path,
-                                                    const LatestDrives* latest) const {
+                                                    const LatestDrives::Share* share) const {
   SharedHits hits;
   for (std::vector<Hit>& of_share : hits) of_share.reserve(2 * patch.samples.size() / kShares);
   const std::optional<Eigen::Vector3d> seen_from = EyeOf(view, path);
   const bool has_eye = seen_from.has_value();
   const Eigen::Vector3d eye = seen_from.value_or(Eigen::Vector3d::Zero());
   const Eigen::AlignedBox2d reach = ReachOf(view, has_eye ? &eye : nullptr);
-  const LatestDrives::Share share = latest ? latest->ShareOf(view) : LatestDrives::Share{};
   const bool is_all_in_reach = reach_.contains(reach);
   PatchFinder patches(*field_);
   const Eigen::Isometry3d site_from_body = IsometryOf(view.site_from_body);
@@ -212,7 +211,7 @@ SurfacePainter::SharedHits SurfacePainter::FindHits(const PatchView& view, const
     if (sample.IsBeyond() && !tells_beyond) continue;
     Eigen::Vector3d point = site_from_body * sample.point_in_body.cast<double>();
     if (!is_all_in_reach && !IsInReach(has_eye ? &eye : nullptr, point)) continue;
-    if (latest != nullptr && !share.Counts(point.head<2>())) continue;
+    if (share != nullptr && !share->Counts(point.head<2>())) continue;
     const int found = has_eye ? IntersectRay(patches, eye, point) : field_->FindPatch(point);
     if (found == HeightField::kNone) continue;
     if (horizon && horizon->MayHide(point) && IsHidden(*field_, eye, point)) continue;
@@ -241,7 +240,10 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
     const std::span batch =
         indices.subspan(begin, std::min(kPatchesPerBatch, indices.size() - begin));
     const auto hits_of = ParallelMap(batch.size(), [&](size_t i) {
-      return FindHits(patches.views()[batch[i]], patches.Read(batch[i]).patch, path, latest);
+      const std::optional<LatestDrives::Share> share =
+          latest ? std::optional(latest->ShareOf(batch[i])) : std::nullopt;
+      return FindHits(patches.views()[batch[i]], patches.Read(batch[i]).patch, path,
+                      share ? &*share : nullptr);
     });
     // Each thread has cells of its own, so that those of a cell come in order.
     ParallelFor(kShares, [&](size_t share) {

@@ -82,7 +82,7 @@ class SurfacePainter {
   void AddTo(int patch, const Eigen::Vector2i& begin, const Eigen::Vector2i& end, Hit hit,
              SharedHits& hits) const;
   SharedHits FindHits(const PatchView& view, const GroundPatch& patch, const DrivenPath* path,
-                      const LatestDrives* latest) const;
+                      const LatestDrives::Share* share) const;
   static Eigen::AlignedBox2d ReachOf(const PatchView& view, const Eigen::Vector3d* eye);
   bool IsInReach(const Eigen::Vector3d* eye, const Eigen::Vector3d& point) const;
   bool IsPainted(int patch) const {

@@ -18,13 +18,12 @@ void AddDrive(int drive, double height, std::vector<PatchView>& views) {
 TEST(LatestDrives, OfManyTheLatestCount) {
   std::vector<PatchView> views;
   for (int drive = 0; drive < 5; ++drive) AddDrive(drive, 0, views);
+  views[5].extent = {Eigen::Vector2d(1, -3), Eigen::Vector2d(7, 3)};
   const LatestDrives latest(views, 3);
 
   for (size_t i = 0; i < views.size(); ++i)
-    EXPECT_EQ(latest.ShareOf(views[i]).Counts({5, 1}), views[i].drive >= 2) << views[i].drive;
-  PatchView narrow = views[5];
-  narrow.extent = {Eigen::Vector2d(1, -3), Eigen::Vector2d(7, 3)};
-  EXPECT_TRUE(latest.ShareOf(narrow).is_none()) << "it need not be read";
+    EXPECT_EQ(latest.ShareOf(i).Counts({5, 1}), views[i].drive >= 2) << views[i].drive;
+  EXPECT_TRUE(latest.ShareOf(5).is_none()) << "it need not be read";
 }
 
 TEST(LatestDrives, WherePlacesAreSeldomLookedAtMoreDrivesCount) {
@@ -34,10 +33,38 @@ TEST(LatestDrives, WherePlacesAreSeldomLookedAtMoreDrivesCount) {
 
   // Ten views of a drive see (6, 2), three see (-6, 2).
   for (int drive = 0; drive < 6; ++drive) {
-    const LatestDrives::Share share = latest.ShareOf(views[static_cast<size_t>(10 * drive)]);
+    const LatestDrives::Share share = latest.ShareOf(static_cast<size_t>(10 * drive));
     EXPECT_EQ(share.Counts({6, 2}), drive >= 3) << drive;
     EXPECT_TRUE(share.Counts({-6, 2})) << drive;
   }
+}
+
+TEST(LatestDrives, OfManyViewsTheNearestCount) {
+  std::vector<PatchView> views;  // of 2 drives, 100 each, along y = 0 from x = 0 to 10
+  for (int i = 0; i < 200; ++i) {
+    PatchView& view = views.emplace_back();
+    view.drive = i / 100;
+    view.site_from_body.translation = Eigen::Vector3d(0.1 * (i % 100), 0, 0);
+    view.extent = {Eigen::Vector2d(0, 0), Eigen::Vector2d(4, 4)};
+  }
+  const LatestDrives latest(views, 3);
+  const auto count = [&](size_t first) {
+    int count = 0;
+    for (size_t i = first; i < first + 100; ++i) count += !latest.ShareOf(i).is_none();
+    return count;
+  };
+  EXPECT_EQ(count(0), 12) << "of an earlier drive";
+  EXPECT_EQ(count(100), 40) << "of the latest";
+  EXPECT_FALSE(latest.ShareOf(20).is_none()) << "right beside the middle";
+  EXPECT_FALSE(latest.ShareOf(120).is_none());
+  EXPECT_TRUE(latest.ShareOf(199).is_none());
+}
+
+TEST(LatestDrives, NarrowViewsAllCount) {
+  std::vector<PatchView> views(100);
+  for (PatchView& view : views) view.extent = {Eigen::Vector2d(0, 0), Eigen::Vector2d(1, 1)};
+  const LatestDrives latest(views, 3);
+  for (size_t i = 0; i < views.size(); ++i) EXPECT_TRUE(latest.ShareOf(i).Counts({0.5, 0.5}));
 }
 
 TEST(LatestDrives, DecksAreToldApart) {
@@ -45,14 +72,14 @@ TEST(LatestDrives, DecksAreToldApart) {
   AddDrive(0, 3, views);
   for (int drive = 1; drive < 5; ++drive) AddDrive(drive, 0, views);
 
-  EXPECT_TRUE(LatestDrives(views, 2).ShareOf(views[0]).Counts({5, 1}));
+  EXPECT_TRUE(LatestDrives(views, 2).ShareOf(0).Counts({5, 1}));
 }
 
 TEST(LatestDrives, FewDrivesAllCount) {
   std::vector<PatchView> views;
   for (int drive = 0; drive < 3; ++drive) AddDrive(drive, 0, views);
   const LatestDrives latest(views, 3);
-  for (const PatchView& view : views) EXPECT_TRUE(latest.ShareOf(view).Counts({5, 1}));
+  for (size_t i = 0; i < views.size(); ++i) EXPECT_TRUE(latest.ShareOf(i).Counts({5, 1}));
 }
 
 }  // namespace

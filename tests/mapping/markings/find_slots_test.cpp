@@ -30,10 +30,11 @@ void PaintRows(PaintedGround& ground, double shift = 0, const cv::Scalar& color 
 PosedGroundPatch PatchOf(int drive, const std::vector<Eigen::AlignedBox2d>& cars = {}) {
   PosedGroundPatch posed;
   posed.patch.drive = drive;
+  posed.site_from_body.translation.z() = 1.5;
   for (double x = -14; x < 14; x += 0.1)
     for (double y = -9; y < 9; y += 0.1) {
       GroundSample sample;
-      sample.point_in_body = Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), 1.5F);
+      sample.point_in_body = Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), 0);
       sample.is_free = std::none_of(cars.begin(), cars.end(),
                                     [&](const auto& car) { return car.contains(Vector2d(x, y)); });
       posed.patch.samples.push_back(sample);

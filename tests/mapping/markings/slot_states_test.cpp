@@ -15,16 +15,17 @@ ParkingSlot SlotAt(double x, double height = 0) {
   return slot;
 }
 
-/// What a drive saw of [low_x, high_x] x [low_y, high_y], every ten centimeters; the body lies in
-/// the site's origin.
+/// What a drive saw of [low_x, high_x] x [low_y, high_y], every ten centimeters; the body lies
+/// above the site's origin.
 PosedGroundPatch PatchOf(int drive, bool is_free, double low_x, double high_x, double low_y,
-                         double high_y, float height = 0) {
+                         double high_y, double height = 0) {
   PosedGroundPatch posed;
   posed.patch.drive = drive;
+  posed.site_from_body.translation.z() = height;
   for (double x = low_x + 0.05; x < high_x; x += 0.1)
     for (double y = low_y + 0.05; y < high_y; y += 0.1) {
       GroundSample sample;
-      sample.point_in_body = Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), height);
+      sample.point_in_body = Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), 0);
       sample.is_free = is_free;
       posed.patch.samples.push_back(sample);
     }
@@ -49,6 +50,21 @@ TEST(SlotStates, WhatStandsBesideTheSlotDoesNotTakeIt) {
   const std::vector<PosedGroundPatch> patches = {PatchOf(0, true, 0.2, 2.5, 0, 5),
                                                  PatchOf(0, false, -1, 0.2, 0, 5),
                                                  PatchOf(0, false, 0, 2.5, -1, 0.3)};
+  SeeSlots(PatchesInMemory(patches), {}, 1, slots);
+  EXPECT_EQ(slots[0].states[0], SlotState::kFree);
+}
+
+TEST(SlotStates, OfManyViewsTheNearestAreRead) {
+  // A car was seen from far away, before it left: from near the slot is empty.
+  std::vector<PosedGroundPatch> patches(20, PatchOf(0, false, 0, 2.5, 0, 5));
+  for (PosedGroundPatch& far : patches) {
+    far.site_from_body.translation.x() = -10;
+    for (GroundSample& sample : far.patch.samples)
+      sample.point_in_body =
+          Eigen::Vector3f(sample.point_in_body.x() + 10, sample.point_in_body.y(), 0);
+  }
+  patches.insert(patches.end(), 20, PatchOf(0, true, 0, 2.5, 0, 5));
+  std::vector<ParkingSlot> slots = {SlotAt(0)};
   SeeSlots(PatchesInMemory(patches), {}, 1, slots);
   EXPECT_EQ(slots[0].states[0], SlotState::kFree);
 }
