@@ -7,8 +7,13 @@
 namespace parkade {
 
 /// Sets weights of 0 to 1 where those edges join parts of the graph that the others leave apart:
-/// the edges between the nearest ids first, which are the likeliest to be odometry.
+/// the edges between the nearest ids first, which are the likeliest to be odometry. Gravity, which
+/// ties every vertex to the world but not to a place in it, does not join.
 /// \param weights  one per edge
 void JoinParts(const PoseGraph& graph, std::vector<double>& weights);
+
+/// Whether some of the graph's edges would join parts that those of more than half a weight leave
+/// apart.
+bool LeavesApart(const PoseGraph& graph, const std::vector<double>& weights);
 
 }  // namespace parkade

@@ -134,8 +134,10 @@ class GraduatedNonConvexity {
     if (best.poses.empty() || reached.cost < best.cost) best = std::move(reached);
   }
 
-  /// Whether nearly all edges chosen by `weights` were believed in the end.
-  static bool Believes(const Reached& reached, const std::vector<double>& weights) {
+  /// Whether nearly all edges chosen by `weights` were believed in the end, and no part of the
+  /// graph was lost: to a large site a drive is less than what may be wrong.
+  bool Believes(const Reached& reached, const std::vector<double>& weights) const {
+    if (LeavesApart(graph_, reached.weights)) return false;
     size_t num_chosen = 0, num_believed = 0;
     for (size_t i = 0; i < weights.size(); ++i) {
       num_chosen += weights[i] > 0;

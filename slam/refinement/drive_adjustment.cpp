@@ -4,6 +4,7 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "core/tune_malloc.h"
 #include "slam/refinement/drive_priors.h"
 #include "slam/refinement/marginal_covariance.h"
 
@@ -30,6 +31,7 @@ double DriveAdjustment::BearingWeight() const {
 }
 
 int DriveAdjustment::Solve(const AdjustedStretch& stretch, const SolveLimits& limits) {
+  ReleaseIdleMemory();
   DriveGraph graph(drive_, stretch, BearingWeight());
   GraphSolverOptions options;
   options.max_iterations = limits.max_steps;

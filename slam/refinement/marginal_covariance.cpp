@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/math/sparse_cholesky.h"
+#include "core/tune_malloc.h"
 #include "slam/factors/imu_sensitivity.h"
 #include "slam/factors/landmark_parameters.h"
 #include "slam/factors/linearize_block.h"
@@ -22,6 +23,31 @@ constexpr int kConstant = -1;  // column of what does not move
 struct Block {
   int column = 0, size = 0;
   auto operator<=>(const Block&) const = default;
+};
+
+/// A sparse matrix that is written row by row.
+class SparseRows {
+ public:
+  void Add(int column, double value) {
+    if (value == 0) return;
+    columns_.push_back(column);
+    values_.push_back(value);
+  }
+  void EndRow() { begins_.push_back(static_cast<int>(columns_.size())); }
+
+  Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> Matrix(int num_columns) const {
+    return {static_cast<Eigen::Index>(begins_.size()) - 1,
+            num_columns,
+            static_cast<Eigen::Index>(values_.size()),
+            begins_.data(),
+            columns_.data(),
+            values_.data()};
+  }
+
+ private:
+  std::vector<int> columns_;
+  std::vector<double> values_;
+  std::vector<int> begins_ = {0};
 };
 
 /// Information and score of all unknowns but landmarks.
@@ -84,11 +110,7 @@ class NormalEquations {
   }
 
   /// R with R^T R = covariance of the score.
-  Eigen::SparseMatrix<double, Eigen::RowMajor> Scores() const {
-    Eigen::SparseMatrix<double, Eigen::RowMajor> matrix(num_scores_, num_columns_);
-    matrix.setFromTriplets(scores_.begin(), scores_.end());
-    return matrix;
-  }
+  auto Scores() const { return scores_.Matrix(num_columns_); }
 
   /// Derivative of the score by what is considered but not estimated.
   const Eigen::MatrixXd& sensitivity() const { return sensitivity_; }
@@ -124,20 +146,24 @@ class NormalEquations {
   void Add(const LinearizableBlock& block) {
     const std::optional<LinearizedBlock> linear = Linearize(block);
     if (!linear) return;
+    for (Eigen::Index row = 0; row < linear->residual.size(); ++row) {
+      for (size_t i = 0; i < block.columns.size(); ++i) {
+        if (block.columns[i] == kConstant) continue;
+        const LinearizedBlock::Jacobian& by_i = linear->jacobians[i];
+        for (Eigen::Index k = 0; k < by_i.cols(); ++k)
+          scores_.Add(block.columns[i] + static_cast<int>(k), by_i(row, k));
+      }
+      scores_.EndRow();
+    }
     for (size_t i = 0; i < block.columns.size(); ++i) {
       if (block.columns[i] == kConstant) continue;
       const LinearizedBlock::Jacobian& by_i = linear->jacobians[i];
-      for (Eigen::Index row = 0; row < by_i.rows(); ++row)
-        for (Eigen::Index k = 0; k < by_i.cols(); ++k)
-          scores_.emplace_back(num_scores_ + static_cast<int>(row),
-                               block.columns[i] + static_cast<int>(k), by_i(row, k));
       for (size_t j = 0; j < block.columns.size(); ++j)
         if (block.columns[j] != kConstant && block.columns[j] <= block.columns[i])
           AddInformation({block.columns[i], block.tangent_sizes[i]},
                          {block.columns[j], block.tangent_sizes[j]},
                          by_i.transpose() * linear->jacobians[j]);
     }
-    num_scores_ += static_cast<int>(linear->residual.size());
     if (const auto* imu = dynamic_cast<const ImuCost*>(block.cost)) AddSensitivity(*imu, block);
   }
 
@@ -199,17 +225,16 @@ class NormalEquations {
                            root.middleRows(first[j], blocks[j].size).transpose());
     for (size_t i = 0; i < blocks.size(); ++i)
       for (int k = 0; k < blocks[i].size; ++k)
-        scores_.emplace_back(num_scores_, blocks[i].column + k,
-                             std::sqrt(kCommonErrors) * score[first[i] + k]);
-    ++num_scores_;
+        scores_.Add(blocks[i].column + k, std::sqrt(kCommonErrors) * score[first[i] + k]);
+    scores_.EndRow();
   }
 
   std::unordered_map<const double*, Block> columns_;
   std::unordered_map<std::uint64_t, Eigen::MatrixXd>
       information_;  ///< lower triangle, by row and column
-  std::vector<Eigen::Triplet<double>> scores_;
+  SparseRows scores_;
   Eigen::MatrixXd sensitivity_;
-  int num_columns_ = 0, num_scores_ = 0;
+  int num_columns_ = 0;
 };
 
 }  // namespace
@@ -225,13 +250,15 @@ std::optional<Eigen::MatrixXd> MarginalCovariance(
   const auto count = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd by_score;
   try {
-    by_score = CholeskySolver().InverseColumns(normal.TakeInformation(), columns);
+    const Eigen::SparseMatrix<double> information = normal.TakeInformation();
+    ReleaseIdleMemory();
+    by_score = CholeskySolver().InverseColumns(information, columns);
   } catch (const Error&) {
     return std::nullopt;
   }
 
   constexpr Eigen::Index kRows = 512;  // of scores at a time
-  const Eigen::SparseMatrix<double, Eigen::RowMajor> scores = normal.Scores();
+  const auto scores = normal.Scores();
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
   covariance.selfadjointView<Eigen::Lower>().rankUpdate(by_score.transpose() *
                                                         normal.sensitivity());
