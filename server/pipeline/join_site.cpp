@@ -200,6 +200,10 @@ void WarnOfLosses(const std::vector<DriveInWork>& drives, BuiltMap& built) {
     warnings.push_back(name + " is left out: " + drive.reason);
     for (const std::string& warning : drive.warnings) warnings.push_back(said + warning);
   }
+  for (size_t i = 0; i < built.names.size(); ++i)
+    if (built.join.drives[i].is_placed_by_gnss)
+      warnings.push_back("drive '" + built.names[i] +
+                         "': no place links it to the other drives; GNSS alone says where it lies");
   for (const DriveInWork& drive : drives) {
     const DriveLogHealth health = drive.log->health();
     const std::string name = "drive '" + drive.log->name() + "': ";

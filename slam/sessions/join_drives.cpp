@@ -196,6 +196,14 @@ size_t PlaceGroups(const std::vector<DriveToJoin>& drives, std::vector<size_t>& 
   return ChooseGroup(drives, groups);
 }
 
+/// Of the groups that links hold together and GNSS has made one, that with the most drives.
+size_t LargestPart(const std::vector<size_t>& linked, const std::vector<size_t>& groups,
+                   size_t group) {
+  std::vector<int> counts(linked.size());
+  for (size_t i = 0; i < linked.size(); ++i) counts[linked[i]] += groups[i] == group;
+  return static_cast<size_t>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+}
+
 /// Chosen by the drives that are kept: others that are left out may well fit it.
 std::string ReasonFor(size_t drive, const std::vector<DrivePair>& pairs,
                       const std::vector<size_t>& groups, size_t group) {
@@ -255,9 +263,12 @@ DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& 
     const JointAdjustment adjustment = RefineGroup(drives, groups, i, loops, join.pairs, poses);
     if (adjustment.num_links > join.adjustment.num_links) join.adjustment = adjustment;
   }
+  const std::vector<size_t> linked = groups;
   const size_t group = PlaceGroups(drives, groups, poses);
+  const size_t most = LargestPart(linked, groups, group);
   for (size_t i = 0; i < drives.size(); ++i) {
     if (groups[i] == group) {
+      join.drives[i].is_placed_by_gnss = linked[i] != most;
       join.drives[i].site_from_body =
           CarryAlong(drives[i].odom_from_body, drives[i].keyframes, poses[i]);
     } else {
