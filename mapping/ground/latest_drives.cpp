@@ -14,7 +14,7 @@ constexpr double kSquare = 4.0;   // [m]
 constexpr double kDeck = 3.0;     // [m]
 constexpr int kEnoughViews = 24;  // of a square, at least
 // Views of a square that are chosen: fewer of the latest drive lose corners that others hide.
-constexpr int kViewsOfLatest = 40, kViewsOfEarlier = 12;
+constexpr int kViewsOfLatest = 64, kViewsOfEarlier = 12;
 
 int Index(double coordinate, double step) {
   return static_cast<int>(std::floor(coordinate / step));

@@ -23,7 +23,7 @@ constexpr double kReach = 0.5;  // [m] that a ray may move between its own plane
 constexpr double kMaxHeightStep = 1.2;  // [m] between those
 constexpr int kColumns = 8, kRows = 16;
 constexpr float kKnown = 0.15F;   // of evidence in a cell
-constexpr int kViewsOfSlot = 20;  // by a drive
+constexpr int kViewsOfSlot = 40;  // by a drive
 constexpr double kMaxBody = 2.5;  // [m] above its ground: what is higher is on another deck
 constexpr std::size_t kBatch = 64;
 

@@ -56,14 +56,14 @@ TEST(SlotStates, WhatStandsBesideTheSlotDoesNotTakeIt) {
 
 TEST(SlotStates, OfManyViewsTheNearestAreRead) {
   // A car was seen from far away, before it left: from near the slot is empty.
-  std::vector<PosedGroundPatch> patches(20, PatchOf(0, false, 0, 2.5, 0, 5));
+  std::vector<PosedGroundPatch> patches(40, PatchOf(0, false, 0, 2.5, 0, 5));
   for (PosedGroundPatch& far : patches) {
     far.site_from_body.translation.x() = -10;
     for (GroundSample& sample : far.patch.samples)
       sample.point_in_body =
           Eigen::Vector3f(sample.point_in_body.x() + 10, sample.point_in_body.y(), 0);
   }
-  patches.insert(patches.end(), 20, PatchOf(0, true, 0, 2.5, 0, 5));
+  patches.insert(patches.end(), 40, PatchOf(0, true, 0, 2.5, 0, 5));
   std::vector<ParkingSlot> slots = {SlotAt(0)};
   SeeSlots(PatchesInMemory(patches), {}, 1, slots);
   EXPECT_EQ(slots[0].states[0], SlotState::kFree);
