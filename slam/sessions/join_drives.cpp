@@ -196,7 +196,7 @@ size_t PlaceGroups(const std::vector<DriveToJoin>& drives, std::vector<size_t>& 
   return ChooseGroup(drives, groups);
 }
 
-/// Of the groups that links hold together and GNSS has made one, that with the most drives.
+/// The one with the most drives, of groups that links hold together and that GNSS has made one.
 size_t LargestPart(const std::vector<size_t>& linked, const std::vector<size_t>& groups,
                    size_t group) {
   std::vector<int> counts(linked.size());
