@@ -8,8 +8,8 @@ namespace parkade {
 /// their work.
 void TuneMalloc();
 
-/// Gives back to the system what was let go and nothing has taken since: between stages, so that
-/// what one has left does not add to what the next needs.
+/// Gives back to the system what was let go and nothing has taken since: between stages, and
+/// before what takes most in one, so that what was left does not add to what is needed.
 void ReleaseIdleMemory();
 
 }  // namespace parkade

@@ -13,11 +13,19 @@ namespace {
 constexpr double kSquare = 4.0;   // [m]
 constexpr double kDeck = 3.0;     // [m]
 constexpr int kEnoughViews = 24;  // of a square, at least
-// Views of a square that are chosen: fewer of the latest drive lose corners that others hide.
+// Views of a square that are chosen of a drive: fewer of the latest lose corners that others hide.
 constexpr int kViewsOfLatest = 64, kViewsOfEarlier = 12;
 
 int Index(double coordinate, double step) {
   return static_cast<int>(std::floor(coordinate / step));
+}
+
+/// How often drives after that of a rank looked.
+int NumViewsAfter(const std::map<int, int>& num_views, int rank) {
+  int sum = 0;
+  for (auto drive = num_views.upper_bound(rank); drive != num_views.end(); ++drive)
+    sum += drive->second;
+  return sum;
 }
 
 }  // namespace
@@ -64,11 +72,11 @@ void LatestDrives::FindOldest(const NumViews& num_views, int max_drives) {
   }
 }
 
-/// Those that look at no square's middle are all chosen.
+/// Those too small to look at any square's middle are all chosen: no square would miss them.
 void LatestDrives::ChooseViews(const NumViews& num_views) {
   std::map<std::pair<Square, int>, std::uint32_t> targets;  // squares as a drive sees them
   std::vector<int> wanted;
-  std::vector<ViewOf> views_of;
+  std::vector<Sighting> sightings;
   std::vector<std::size_t> narrow;
   for (std::size_t i = 0; i < views_.size(); ++i) {
     const int rank = ranks_.at(views_[i].drive);
@@ -79,14 +87,16 @@ void LatestDrives::ChooseViews(const NumViews& num_views) {
       if (!HasSay(rank, square)) return;
       const auto [target, is_new] =
           targets.try_emplace({square, rank}, static_cast<std::uint32_t>(wanted.size()));
-      const bool is_latest = rank == num_views.at(square).rbegin()->first;
-      if (is_new) wanted.push_back(is_latest ? kViewsOfLatest : kViewsOfEarlier);
-      views_of.push_back({static_cast<float>((place - middle).norm()),
-                          static_cast<std::uint32_t>(i), target->second});
+      if (is_new)
+        wanted.push_back(NumViewsAfter(num_views.at(square), rank) < kEnoughViews
+                             ? kViewsOfLatest
+                             : kViewsOfEarlier);
+      sightings.push_back({static_cast<float>((place - middle).norm()),
+                           static_cast<std::uint32_t>(i), target->second});
     });
     if (is_narrow) narrow.push_back(i);
   }
-  is_chosen_ = ChooseNearest(std::move(views_of), views_.size(), std::move(wanted));
+  is_chosen_ = ChooseNearest(std::move(sightings), views_.size(), std::move(wanted));
   for (const std::size_t i : narrow) is_chosen_[i] = true;
 }
 

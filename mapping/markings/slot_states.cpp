@@ -22,10 +22,9 @@ constexpr double kSquare = 1.0;          // [m] of the squares in which slots ar
 constexpr double kReach = 0.5;  // [m] that a ray may move between its own plane and the slot's
 constexpr double kMaxHeightStep = 1.2;  // [m] between those
 constexpr int kColumns = 8, kRows = 16;
-constexpr float kKnown = 0.15F;   // of evidence in a cell
-constexpr int kViewsOfSlot = 40;  // by a drive
-constexpr double kMaxBody = 2.5;  // [m] above its ground: what is higher is on another deck
-constexpr std::size_t kBatch = 64;
+constexpr float kKnown = 0.15F;     // of evidence in a cell
+constexpr int kViewsOfSlot = 40;    // by a drive
+constexpr std::size_t kBatch = 64;  // patches whose hits are held at once
 
 using Cells = std::array<float, kColumns * kRows>;
 
@@ -121,28 +120,40 @@ std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenP
   return hits;
 }
 
+/// [m] in site: the plane on which a car stands, at a place.
+double HeightOfPlane(const Rigid3& site_from_ground, const Eigen::Vector2d& place) {
+  const Eigen::Vector3d normal = site_from_ground.rotation * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector2d away = place - site_from_ground.translation.head<2>();
+  return site_from_ground.translation.z() - normal.head<2>().dot(away) / normal.z();
+}
+
 /// Views that tell of the slots, some of every drive for each: the nearest ones.
-std::vector<std::size_t> ChooseViews(std::span<const PatchView> views, std::size_t num_drives,
+std::vector<std::size_t> ChooseViews(std::span<const PatchView> views,
+                                     std::span<const DrivenPath> paths, std::size_t num_drives,
                                      const std::vector<ParkingSlot>& slots) {
   std::vector<Eigen::AlignedBox2d> boxes(slots.size());
   for (std::size_t i = 0; i < slots.size(); ++i)
     for (const Eigen::Vector3d& corner : slots[i].corners) boxes[i].extend(corner.head<2>().eval());
-  std::vector<ViewOf> views_of;
+  std::vector<Sighting> sightings;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const auto drive = static_cast<std::size_t>(views[i].drive);
     if (drive >= num_drives) continue;
-    const Eigen::Vector3d& body = views[i].site_from_body.translation;
+    const DrivenPath* path = FindPath(paths, views[i].drive);
+    const Rigid3 site_from_ground =
+        path ? views[i].site_from_body * path->body_from_ground : views[i].site_from_body;
     for (std::size_t slot = 0; slot < slots.size(); ++slot) {
-      const double above = body.z() - slots[slot].corners[0].z();
-      if (above < -kMaxHeightStep || above > kMaxBody) continue;
       if (views[i].extent.exteriorDistance(boxes[slot]) > kReach) continue;
-      views_of.push_back({static_cast<float>((body.head<2>() - boxes[slot].center()).norm()),
-                          static_cast<std::uint32_t>(i),
-                          static_cast<std::uint32_t>(drive * slots.size() + slot)});
+      const Eigen::Vector2d middle = boxes[slot].center();
+      const double height = HeightOfPlane(site_from_ground, middle);
+      if (std::abs(height - slots[slot].corners[0].z()) > kMaxHeightStep) continue;
+      const double distance = (views[i].site_from_body.translation.head<2>() - middle).norm();
+      sightings.push_back({static_cast<float>(distance), static_cast<std::uint32_t>(i),
+                           static_cast<std::uint32_t>(drive * slots.size() + slot)});
     }
   }
-  const std::vector<bool> is_chosen = ChooseNearest(
-      std::move(views_of), views.size(), std::vector<int>(num_drives * slots.size(), kViewsOfSlot));
+  const std::vector<bool> is_chosen =
+      ChooseNearest(std::move(sightings), views.size(),
+                    std::vector<int>(num_drives * slots.size(), kViewsOfSlot));
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < views.size(); ++i)
     if (is_chosen[i]) chosen.push_back(i);
@@ -171,7 +182,7 @@ void SeeSlots(const PatchSource& patches, std::span<const DrivenPath> paths, std
   grids.reserve(slots.size());
   for (const ParkingSlot& slot : slots) grids.emplace_back(slot);
   std::vector<std::vector<Cells>> cells(num_drives, std::vector<Cells>(slots.size(), Cells{}));
-  const std::vector<std::size_t> chosen = ChooseViews(patches.views(), num_drives, slots);
+  const std::vector<std::size_t> chosen = ChooseViews(patches.views(), paths, num_drives, slots);
   for (std::size_t begin = 0; begin < chosen.size(); begin += kBatch) {
     const std::span batch =
         std::span(chosen).subspan(begin, std::min(kBatch, chosen.size() - begin));

@@ -33,7 +33,7 @@ class SurfacePainter {
   bool IsInReach(const PatchView& view, const DrivenPath* path) const;
 
   /// Samples of some of a drive's patches, moved along their rays onto the surface. In parallel,
-  /// summed in order. `path` is that of the drive, or null.
+  /// summed in order. `path` is that of the drive, or null; `latest` was made of the same patches.
   ///
   /// A cell has the color that the latest of the drives that saw it well gives it.
   ///

@@ -201,9 +201,10 @@ void WarnOfLosses(const std::vector<DriveInWork>& drives, BuiltMap& built) {
     for (const std::string& warning : drive.warnings) warnings.push_back(said + warning);
   }
   for (size_t i = 0; i < built.names.size(); ++i)
-    if (built.join.drives[i].is_placed_by_gnss)
+    if (built.join.drives[i].is_held_by_gnss_alone)
       warnings.push_back("drive '" + built.names[i] +
-                         "': no place links it to the other drives; GNSS alone says where it lies");
+                         "': no place links it to most of the other drives; GNSS alone says where "
+                         "it lies among them");
   for (const DriveInWork& drive : drives) {
     const DriveLogHealth health = drive.log->health();
     const std::string name = "drive '" + drive.log->name() + "': ";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace parkade {
 namespace {
@@ -38,7 +39,8 @@ class Parts {
 
 }  // namespace
 
-void JoinParts(const PoseGraph& graph, std::vector<double>& weights) {
+void JoinParts(const PoseGraph& graph, const std::vector<double>& likely,
+               std::vector<double>& weights) {
   Parts parts(graph);
   std::vector<size_t> order;
   for (size_t i = 0; i < weights.size(); ++i) {
@@ -49,7 +51,8 @@ void JoinParts(const PoseGraph& graph, std::vector<double>& weights) {
     }
   }
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-    return IdGap(graph, graph.edges[a]) < IdGap(graph, graph.edges[b]);
+    return std::pair(!(likely[a] > 0), IdGap(graph, graph.edges[a])) <
+           std::pair(!(likely[b] > 0), IdGap(graph, graph.edges[b]));
   });
   for (const size_t i : order)
     if (parts.Join(i)) weights[i] = 1;

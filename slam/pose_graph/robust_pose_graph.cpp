@@ -126,8 +126,10 @@ class GraduatedNonConvexity {
   }
 
   /// Continues from `weights`; takes the result where its truncated cost is lower than `best`'s.
-  void Try(std::vector<double> weights, double mu, RobustPoseGraphSummary& summary, Reached& best) {
-    JoinParts(graph_, weights);
+  /// Parts that `weights` leaves apart are joined by `likely` edges where there are some.
+  void Try(std::vector<double> weights, const std::vector<double>& likely, double mu,
+           RobustPoseGraphSummary& summary, Reached& best) {
+    JoinParts(graph_, likely, weights);
     Begin(weights);
     Continue(mu, summary);
     Reached reached = Current(summary.noise_scale);
@@ -155,10 +157,11 @@ class GraduatedNonConvexity {
     for (const int num_partners : kPartnersInGroup) {
       const std::vector<double> groups = WeightsOfSupported(summary.noise_scale, num_partners);
       if (groups.empty()) break;
-      Try(groups, kMuNearSolution, summary, best);
+      Try(groups, pairs, kMuNearSolution, summary, best);
       if (Believes(best, groups)) break;
     }
-    if (best.poses.empty() || !Believes(best, pairs)) Try(pairs, kMuNearSolution, summary, best);
+    if (best.poses.empty() || !Believes(best, pairs))
+      Try(pairs, pairs, kMuNearSolution, summary, best);
   }
 
   /// Loops that support each other are a good start, and the only one that is quick where many
@@ -170,8 +173,8 @@ class GraduatedNonConvexity {
     const auto num_loops =
         static_cast<size_t>(std::count_if(graph_.edges.begin(), graph_.edges.end(),
                                           [](const PoseGraphEdge& e) { return !e.is_trusted; }));
-    if (best.poses.empty() || num_loops <= kFewLoops)
-      Try(std::vector<double>(graph_.edges.size(), 1), 0, summary, best);
+    const std::vector<double> all(graph_.edges.size(), 1);
+    if (best.poses.empty() || num_loops <= kFewLoops) Try(all, all, 0, summary, best);
     Restore(best);
   }
 

@@ -31,7 +31,7 @@ double DriveAdjustment::BearingWeight() const {
 }
 
 int DriveAdjustment::Solve(const AdjustedStretch& stretch, const SolveLimits& limits) {
-  ReleaseIdleMemory();
+  ReleaseIdleMemory();  // of the solve before: the factor of this one takes most of all stages
   DriveGraph graph(drive_, stretch, BearingWeight());
   GraphSolverOptions options;
   options.max_iterations = limits.max_steps;

@@ -109,7 +109,7 @@ class NormalEquations {
     return matrix;
   }
 
-  /// R with R^T R = covariance of the score.
+  /// R with R^T R = covariance of the score; borrowed.
   auto Scores() const { return scores_.Matrix(num_columns_); }
 
   /// Derivative of the score by what is considered but not estimated.
@@ -251,7 +251,7 @@ std::optional<Eigen::MatrixXd> MarginalCovariance(
   Eigen::MatrixXd by_score;
   try {
     const Eigen::SparseMatrix<double> information = normal.TakeInformation();
-    ReleaseIdleMemory();
+    ReleaseIdleMemory();  // what summing up took, before the factor takes more
     by_score = CholeskySolver().InverseColumns(information, columns);
   } catch (const Error&) {
     return std::nullopt;

@@ -268,7 +268,7 @@ DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& 
   const size_t most = LargestPart(linked, groups, group);
   for (size_t i = 0; i < drives.size(); ++i) {
     if (groups[i] == group) {
-      join.drives[i].is_placed_by_gnss = linked[i] != most;
+      join.drives[i].is_held_by_gnss_alone = linked[i] != most;
       join.drives[i].site_from_body =
           CarryAlong(drives[i].odom_from_body, drives[i].keyframes, poses[i]);
     } else {

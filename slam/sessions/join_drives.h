@@ -17,9 +17,9 @@ std::vector<RigKeyframe> KeyframesAlong(const Trajectory& odometry,
 
 /// One drive in the site's frame, or why it is left out.
 struct JoinedDrive {
-  Trajectory site_from_body;       ///< empty where left out
-  std::string left_out;            ///< reason; empty where joined
-  bool is_placed_by_gnss = false;  ///< alone: no links hold it to most of the others
+  Trajectory site_from_body;           ///< empty where left out
+  std::string left_out;                ///< reason; empty where joined
+  bool is_held_by_gnss_alone = false;  ///< no links hold it to most of the others
 };
 
 struct DriveJoin {

@@ -60,6 +60,17 @@ TEST(LatestDrives, OfManyViewsTheNearestCount) {
   EXPECT_TRUE(latest.ShareOf(199).is_none());
 }
 
+TEST(LatestDrives, AGlimpseDoesNotMakeADriveTheLatest) {
+  std::vector<PatchView> views(101);
+  for (PatchView& view : views) view.extent = {Eigen::Vector2d(0, 0), Eigen::Vector2d(4, 4)};
+  views.back().drive = 1;
+  const LatestDrives latest(views, 3);
+  int count = 0;
+  for (size_t i = 0; i < 100; ++i) count += !latest.ShareOf(i).is_none();
+  EXPECT_EQ(count, 64);
+  EXPECT_FALSE(latest.ShareOf(100).is_none());
+}
+
 TEST(LatestDrives, NarrowViewsAllCount) {
   std::vector<PatchView> views(100);
   for (PatchView& view : views) view.extent = {Eigen::Vector2d(0, 0), Eigen::Vector2d(1, 1)};

@@ -69,6 +69,19 @@ TEST(SlotStates, OfManyViewsTheNearestAreRead) {
   EXPECT_EQ(slots[0].states[0], SlotState::kFree);
 }
 
+TEST(SlotStates, ViewsOfAnotherDeckDoNotTakeTheirPlace) {
+  std::vector<PosedGroundPatch> patches(50, PatchOf(0, true, 0, 2.5, 0, 5, 2.4));
+  for (PosedGroundPatch& far : patches) far.site_from_body.translation.x() = 0.1;
+  patches.push_back(PatchOf(0, true, 0, 2.5, 0, 5));
+  patches.back().site_from_body.translation.x() = -0.5;
+  for (GroundSample& sample : patches.back().patch.samples)
+    sample.point_in_body =
+        Eigen::Vector3f(sample.point_in_body.x() + 0.5F, sample.point_in_body.y(), 0);
+  std::vector<ParkingSlot> slots = {SlotAt(0)};
+  SeeSlots(PatchesInMemory(patches), {}, 1, slots);
+  EXPECT_EQ(slots[0].states[0], SlotState::kFree);
+}
+
 TEST(SlotStates, OtherDecksDoNotCount) {
   std::vector<ParkingSlot> slots = {SlotAt(0), SlotAt(0, 3)};
   SeeSlots(PatchesInMemory(std::vector{PatchOf(0, true, 0, 2.5, 0, 5, 3)}), {}, 1, slots);

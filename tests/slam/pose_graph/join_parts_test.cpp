@@ -29,11 +29,23 @@ TEST(JoinParts, GravityLeavesDrivesApart) {
   weights[10] = weights[11] = 0;
   EXPECT_TRUE(LeavesApart(graph, weights));
 
-  JoinParts(graph, weights);
+  JoinParts(graph, std::vector<double>(weights.size()), weights);
 
   EXPECT_EQ(weights[10], 0) << "of the farther ids";
   EXPECT_EQ(weights[11], 1);
   EXPECT_FALSE(LeavesApart(graph, weights));
+}
+
+TEST(JoinParts, LikelyEdgesJoinFirst) {
+  const PoseGraph graph = TwoDrives();
+  std::vector<double> weights(graph.edges.size(), 1), likely(graph.edges.size());
+  weights[10] = weights[11] = 0;
+  likely[10] = 1;
+
+  JoinParts(graph, likely, weights);
+
+  EXPECT_EQ(weights[10], 1) << "of the farther ids";
+  EXPECT_EQ(weights[11], 0);
 }
 
 TEST(JoinParts, WhatHangsTogetherStaysAsItIs) {
@@ -41,7 +53,7 @@ TEST(JoinParts, WhatHangsTogetherStaysAsItIs) {
   std::vector<double> weights(graph.edges.size(), 1);
   weights[11] = 0;
   const std::vector<double> before = weights;
-  JoinParts(graph, weights);
+  JoinParts(graph, before, weights);
   EXPECT_EQ(weights, before);
   EXPECT_FALSE(LeavesApart(graph, weights));
 }

@@ -156,7 +156,7 @@ TEST(JoinDrives, GnssPlacesTheSiteAndLinksTheDrivesWithinIt) {
       (in_site - a.world_from_keyframe[10].translation - Eigen::Vector3d(0.3, -0.3, 0)).norm(),
       0.1);
   EXPECT_LT(WorstOffset(a, join.drives[0].site_from_body, b, join.drives[1].site_from_body), 0.08);
-  for (const JoinedDrive& drive : join.drives) EXPECT_FALSE(drive.is_placed_by_gnss);
+  for (const JoinedDrive& drive : join.drives) EXPECT_FALSE(drive.is_held_by_gnss_alone);
 }
 
 TEST(JoinDrives, GnssThatIsOffBendsNothing) {
@@ -200,8 +200,8 @@ TEST(JoinDrives, GnssAloneHoldsDrivesTogetherThatShareNoPlace) {
   EXPECT_LT(
       (join.drives[1].site_from_body.states()[10].world_from_body.translation - expected).norm(),
       0.05);
-  EXPECT_FALSE(join.drives[0].is_placed_by_gnss);
-  EXPECT_TRUE(join.drives[1].is_placed_by_gnss);
+  EXPECT_FALSE(join.drives[0].is_held_by_gnss_alone);
+  EXPECT_TRUE(join.drives[1].is_held_by_gnss_alone);
 }
 
 TEST(JoinDrives, OneDriveStaysWhereItIs) {
