@@ -82,6 +82,16 @@ struct Heights {
   }
 };
 
+/// The ground of a strip within a window.
+GroundArea AreaOf(const OutlineStrip& strip, double length, const StripWindow& window) {
+  const Vector2d outward = strip.Outward();
+  GroundArea corners;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    corners[i] = strip.foot.head<2>() + (i % 2 == 0 ? -0.5 : 0.5) * length * strip.along +
+                 (i < 2 ? window.begin : window.End()) * outward;
+  return corners;
+}
+
 /// The samples of a patch that show a strip at some height of the sweep.
 std::vector<ObservedPoint> LookAt(const OutlineStrip& strip, double length,
                                   const SamplesAround& samples, const Vector3d& eye,
@@ -93,11 +103,7 @@ std::vector<ObservedPoint> LookAt(const OutlineStrip& strip, double length,
   const Vector2d slope(strip.slope, strip.slope_outward);
   const double above =
       eye_in_strip.z() - slope.dot(eye_in_strip.head<2>());  // the strip's plane, continued
-  std::array<Vector2d, 4> corners;
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    corners[i] = strip.foot.head<2>() + (i % 2 == 0 ? -0.5 : 0.5) * length * strip.along +
-                 (i < 2 ? window.begin : window.End()) * outward;
-  samples.VisitBetween(corners, [&](const Eigen::Vector3f& ray_in_site, float gray) {
+  const auto look = [&](const Eigen::Vector3f& ray_in_site, float gray) {
     const Vector2d flat = ray_in_site.head<2>().cast<double>();
     const Vector3d ray(flat.dot(strip.along), flat.dot(outward),
                        static_cast<double>(ray_in_site.z()));
@@ -113,7 +119,8 @@ std::vector<ObservedPoint> LookAt(const OutlineStrip& strip, double length,
     points.push_back({static_cast<float>(place.x()), static_cast<float>(place.y()),
                       static_cast<float>(-per_meter.x()), static_cast<float>(-per_meter.y()), gray,
                       static_cast<float>(1 / (1 + distance * distance / (kSharp * kSharp)))});
-  });
+  };
+  samples.VisitBehind(AreaOf(strip, length, window), look);
   return points;
 }
 
@@ -314,7 +321,11 @@ std::vector<std::vector<SweptStrip>> SweepStrips(std::span<const OutlineStrip> s
                                                                              strips_of.end());
     auto looks = ParallelMap(list.size(), [&](std::size_t k) {
       const Vector3d& eye = eyes[list[k].first];
-      const SamplesAround samples(patches.Read(list[k].first), eye);
+      std::vector<GroundArea> areas;
+      for (const StripWindow& window : windows)
+        for (const std::size_t strip : list[k].second)
+          areas.push_back(AreaOf(strips[strip], length, window));
+      const SamplesAround samples(patches.Read(list[k].first), eye, areas);
       const int drive = patches.views()[list[k].first].drive;
       std::vector<View> of_strips;  // window by window
       for (const StripWindow& window : windows)

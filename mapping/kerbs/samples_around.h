@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -12,27 +13,27 @@
 
 namespace parkade {
 
+/// A piece of ground by its corners [m] in site.
+using GroundArea = std::array<Eigen::Vector2d, 4>;
+
 /// The samples of a patch by the direction in which the camera sees them, in which they stay at any
 /// height.
 class SamplesAround {
  public:
-  /// `eye` [m] in site: of the camera.
-  SamplesAround(const PosedGroundPatch& posed, const Eigen::Vector3d& eye);
+  /// `eye` [m] in site: of the camera. Of the samples those are kept that may be asked for, in
+  /// directions of the `areas`.
+  SamplesAround(const PosedGroundPatch& posed, const Eigen::Vector3d& eye,
+                std::span<const GroundArea> areas);
 
-  /// Calls `visit(ray, gray)` with those in directions between those to some places; with all where
-  /// the camera is among these.
+  /// Calls `visit(ray, gray)` with those in directions of an area, one of those named before; with
+  /// all where the camera is in it.
   template <typename Visitor>
-  void VisitBetween(std::span<const Eigen::Vector2d> places, const Visitor& visit) const {
-    const auto [first, last] = Between(places);
-    for (const double turn : {-2 * M_PI, 0.0, 2 * M_PI}) {
-      const double from = first + turn, to = last + turn;
-      if (from > M_PI || to < -M_PI) continue;
-      const float lowest = from <= -M_PI ? -2 : DirectionOf(std::cos(from), std::sin(from));
-      const float highest = to >= M_PI ? 2 : DirectionOf(std::cos(to), std::sin(to));
+  void VisitBehind(const GroundArea& area, const Visitor& visit) const {
+    ForEachRange(area, [&](float lowest, float highest) {
       const auto end = samples_.begin() + begin_of_[SectorOf(highest) + 1];
       for (auto at = samples_.begin() + begin_of_[SectorOf(lowest)]; at != end; ++at)
         if (at->direction >= lowest && at->direction <= highest) visit(at->ray, at->gray);
-    }
+    });
   }
 
  private:
@@ -49,8 +50,21 @@ class SamplesAround {
     return sector > 0 ? std::min(static_cast<std::size_t>(sector), kNumSectors - 1) : 0;
   }
 
-  /// Directions [rad] to all places, from the first to the last.
-  std::pair<double, double> Between(std::span<const Eigen::Vector2d> places) const;
+  /// Azimuths [rad] to all corners, from the first to the last.
+  std::pair<double, double> AzimuthsOf(const GroundArea& area) const;
+
+  /// Calls `visit(lowest, highest)` with the directions of an area: one range, or two where it lies
+  /// on both sides of the azimuth pi.
+  template <typename Visitor>
+  void ForEachRange(const GroundArea& area, const Visitor& visit) const {
+    const auto [first, last] = AzimuthsOf(area);
+    for (const double turn : {-2 * M_PI, 0.0, 2 * M_PI}) {
+      const double from = first + turn, to = last + turn;
+      if (from > M_PI || to < -M_PI) continue;
+      visit(from <= -M_PI ? -2 : DirectionOf(std::cos(from), std::sin(from)),
+            to >= M_PI ? 2 : DirectionOf(std::cos(to), std::sin(to)));
+    }
+  }
 
   struct Sample {
     float direction = 0;

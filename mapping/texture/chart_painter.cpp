@@ -21,7 +21,8 @@ constexpr int kColorTolerance =
     24;  // of lightness: observations further from the median are something else
 
 std::uint8_t RankOf(float steepness) {
-  return static_cast<std::uint8_t>(1 + std::lround(254 * steepness));
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative, and lround is a call
+  return static_cast<std::uint8_t>(1 + static_cast<int>(254 * steepness + 0.5F));
 }
 
 }  // namespace
@@ -62,15 +63,9 @@ std::optional<Eigen::Vector3d> ChartPainter::CornerAt(int column, int row) const
   return point;
 }
 
-GroundPixel ChartPainter::See(const GroundImage& image, const Rigid3& camera_from_site, int column,
-                              int row, double max_range) const {
+GroundPixel ChartPainter::SeeCorner(const GroundSight& sight, int column, int row) const {
   const std::optional<Eigen::Vector3d> point = CornerAt(column, row);
-  return point ? SeePoint(image, camera_from_site, *point, max_range) : GroundPixel{};
-}
-
-float ChartPainter::SteepestAt(const Eigen::Vector3d& eye, int column, int row) const {
-  const std::optional<Eigen::Vector3d> point = CornerAt(column, row);
-  return point ? static_cast<float>((eye.z() - point->z()) / (eye - *point).norm()) : 0;
+  return point ? sight.See(*point) : GroundPixel{};
 }
 
 void ChartPainter::BeginDrive(int drive) {
@@ -88,15 +83,15 @@ cv::Mat_<cv::Vec4b> ChartPainter::BestRanks(std::span<const GroundImage* const> 
   const auto num_nodes = [](int num_corners) { return (num_corners - 2) / kStepsPerNode + 2; };
   cv::Mat_<cv::Vec4b> best(num_nodes(num_rows_), num_nodes(num_columns_), cv::Vec4b());
   for (const GroundImage* image : images) {
-    const Rigid3 camera_from_site = image->site_from_camera.Inverse();
+    const GroundSight sight(*image, max_range);
     const Part part = PartAround(image->site_from_camera.translation, max_range);
     const int right = std::min((part.column + part.width) / kStepsPerNode + 1, best.cols - 1),
               bottom = std::min((part.row + part.height) / kStepsPerNode + 1, best.rows - 1);
     for (int y = part.row / kStepsPerNode; y <= bottom; ++y)
       for (int x = part.column / kStepsPerNode; x <= right; ++x) {
         const float steepness =
-            See(*image, camera_from_site, std::min(x * kStepsPerNode, num_columns_ - 1),
-                std::min(y * kStepsPerNode, num_rows_ - 1), max_range)
+            SeeCorner(sight, std::min(x * kStepsPerNode, num_columns_ - 1),
+                      std::min(y * kStepsPerNode, num_rows_ - 1))
                 .steepness;
         if (steepness <= 0) continue;
         std::uint8_t rank = RankOf(steepness);
@@ -143,20 +138,34 @@ ChartPainter::Part ChartPainter::PartAround(const Eigen::Vector3d& eye, double m
 }
 
 /// Most of a drive's observations are too flat to be kept by any texel of a block, and need not be
-/// looked at.
+/// looked at: not even if nothing hid the ground.
 cv::Mat1b ChartPainter::FindWanted(const Part& part, const Eigen::Vector3d& eye) const {
-  cv::Mat1f bounds(part.height + 1, part.width + 1);
-  for (int y = 0; y <= part.height; ++y)
-    for (int x = 0; x <= part.width; ++x)
-      bounds(y, x) = SteepestAt(eye, part.column + x, part.row + y);
+  const Eigen::Vector2d first =
+      PlaceOf(part.column * kTexelsPerStep, part.row * kTexelsPerStep) - eye.head<2>();
+  const double step = kTexelsPerStep * texel_size_;
+  const auto num_corners = static_cast<std::size_t>(part.width) + 1;
+  std::vector<float> off_x, upper(num_corners), lower(num_corners);
+  for (int x = 0; x <= part.width; ++x) off_x.push_back(static_cast<float>(first.x() + x * step));
+  const auto eye_height = static_cast<float>(eye.z());
   cv::Mat1b is_wanted(part.height, part.width);
-  for (int y = 0; y < part.height; ++y)
-    for (int x = 0; x < part.width; ++x) {
-      const float bound =
-          std::min({bounds(y, x), bounds(y, x + 1), bounds(y + 1, x), bounds(y + 1, x + 1)});
-      is_wanted(y, x) =
-          bound > 0 && RankOf(bound) > least_ranks_[BlockAt(part.column + x, part.row + y)];
+  for (int y = 0; y <= part.height; ++y) {
+    std::swap(upper, lower);
+    const auto off_y = static_cast<float>(first.y() - y * step);
+    const float* heights = &corner_heights_[BlockAt(part.column, part.row + y)];
+    for (std::size_t x = 0; x < num_corners; ++x) {
+      const float above = eye_height - heights[x];
+      const float sine = above / std::sqrt(off_x[x] * off_x[x] + off_y * off_y + above * above);
+      lower[x] = sine > 0 ? sine : 0;  // nor where no mesh is near
     }
+    if (y == 0) continue;
+    const std::uint8_t* least = &least_ranks_[BlockAt(part.column, part.row + y - 1)];
+    std::uint8_t* wanted = is_wanted.ptr(y - 1);
+    for (std::size_t x = 0; x + 1 < num_corners; ++x) {
+      const float bound =
+          std::min(std::min(upper[x], upper[x + 1]), std::min(lower[x], lower[x + 1]));
+      wanted[x] = bound > 0 && RankOf(bound) > least[x];
+    }
+  }
   return is_wanted;
 }
 
@@ -166,7 +175,7 @@ void ChartPainter::Paint(const GroundImage& image, double max_range) {
   if (part.width <= 0 || part.height <= 0) return;
 
   BeginDrive(image.drive);
-  const Rigid3 camera_from_site = image.site_from_camera.Inverse();
+  const GroundSight sight(image, max_range);
   const cv::Mat1b is_wanted = FindWanted(part, eye);
   cv::Mat1b is_corner_wanted;  // of any of the four blocks around
   cv::copyMakeBorder(is_wanted, is_corner_wanted, 0, 1, 0, 1, cv::BORDER_CONSTANT, 0);
@@ -178,7 +187,7 @@ void ChartPainter::Paint(const GroundImage& image, double max_range) {
       GroundPixel& observation = below[static_cast<std::size_t>(x)];
       observation = {};
       if (is_corner_wanted(y, x) != 0)
-        observation = See(image, camera_from_site, part.column + x, part.row + y, max_range);
+        observation = SeeCorner(sight, part.column + x, part.row + y);
     }
     if (y == 0) continue;
     for (int x = 0; x < part.width; ++x) {
@@ -200,15 +209,20 @@ void ChartPainter::PaintBlock(const GroundImage& image, const std::array<GroundP
   if (steepness <= 0) return;
   const std::uint8_t rank = RankOf(steepness);
   std::uint8_t least = std::numeric_limits<std::uint8_t>::max();
-  for (int dy = 0; dy < kTexelsPerStep; ++dy)
-    for (int dx = 0; dx < kTexelsPerStep; ++dx) {
-      const int x = column * kTexelsPerStep + dx, y = row * kTexelsPerStep + dy;
-      if (x >= blank_.height.cols || y >= blank_.height.rows ||
-          blank_.chart.mask.at<std::uint8_t>(y, x) == 0)
-        continue;
-      const std::size_t texel =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(blank_.height.cols) +
-          static_cast<std::size_t>(x);
+  const int first_x = column * kTexelsPerStep, first_y = row * kTexelsPerStep;
+  const int width = std::min(kTexelsPerStep, blank_.height.cols - first_x),
+            height = std::min(kTexelsPerStep, blank_.height.rows - first_y);
+  for (int dy = 0; dy < height; ++dy) {
+    const float v = (static_cast<float>(dy) + 0.5F) / kTexelsPerStep;
+    const Eigen::Vector2f left = (1 - v) * corners[0].pixel + v * corners[2].pixel,
+                          right = (1 - v) * corners[1].pixel + v * corners[3].pixel;
+    const std::uint8_t* mask = blank_.chart.mask.ptr(first_y + dy) + first_x;
+    const std::size_t first =
+        static_cast<std::size_t>(first_y + dy) * static_cast<std::size_t>(blank_.height.cols) +
+        static_cast<std::size_t>(first_x);
+    for (int dx = 0; dx < width; ++dx) {
+      if (mask[dx] == 0) continue;
+      const std::size_t texel = first + static_cast<std::size_t>(dx);
       StepBack(texel);
       Observations& observations = observations_[texel];
       if (!observations.Wants(rank)) {
@@ -216,15 +230,14 @@ void ChartPainter::PaintBlock(const GroundImage& image, const std::array<GroundP
         continue;
       }
       const float u = (static_cast<float>(dx) + 0.5F) / kTexelsPerStep;
-      const float v = (static_cast<float>(dy) + 0.5F) / kTexelsPerStep;
-      const Eigen::Vector2f pixel = (1 - v) * ((1 - u) * corners[0].pixel + u * corners[1].pixel) +
-                                    v * ((1 - u) * corners[2].pixel + u * corners[3].pixel);
+      const Eigen::Vector2f pixel = (1 - u) * left + u * right;
       const std::array<float, 3> color = ColorAt(image.image, pixel.x(), pixel.y());
       const std::array<float, 3>& light = image.light.At(pixel);
       observations.Add({ToByte(light[0] * color[0]), ToByte(light[1] * color[1]),
                         ToByte(light[2] * color[2]), rank});
       least = std::min(least, observations[kNumObservations - 1].rank);
     }
+  }
   std::uint8_t& least_rank = least_ranks_[BlockAt(column, row)];
   least_rank = std::max(least_rank, least);
 }

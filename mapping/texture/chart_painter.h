@@ -53,10 +53,7 @@ class ChartPainter {
   Eigen::Vector2d PlaceOf(double column, double row) const;
   /// [m] in site; nothing where no mesh is near.
   std::optional<Eigen::Vector3d> CornerAt(int column, int row) const;
-  GroundPixel See(const GroundImage& image, const Rigid3& camera_from_site, int column, int row,
-                  double max_range) const;
-  /// How steeply a corner is seen from a place if nothing hides it; 0 or less: not at all.
-  float SteepestAt(const Eigen::Vector3d& eye, int column, int row) const;
+  GroundPixel SeeCorner(const GroundSight& sight, int column, int row) const;
   /// The index of a block, or of the corner before it.
   std::size_t BlockAt(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(num_columns_) +

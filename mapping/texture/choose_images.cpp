@@ -52,7 +52,7 @@ std::vector<bool> ChooseImages(std::span<GroundImage> images,
   std::vector<bool> is_chosen(images.size());
   for (std::size_t i = images.size(); i-- > 0;) {
     GroundImage& image = images[i];
-    const Rigid3 camera_from_site = image.site_from_camera.Inverse();
+    const GroundSight sight(image, max_range);
     const Eigen::Vector3d& eye = image.site_from_camera.translation;
     // What costs least comes first: how steep an observation can be at all, then the projection,
     // then what is in the way.
@@ -66,7 +66,7 @@ std::vector<bool> ChooseImages(std::span<GroundImage> images,
       const Eigen::Vector3d observation = place.point - eye;
       if (!place.Wants(image.drive, static_cast<float>(-observation.z() / observation.norm())))
         return;
-      const float steepness = SeePoint(image, camera_from_site, place.point, max_range).steepness;
+      const float steepness = sight.See(place.point).steepness;
       if (steepness > 0) shown.emplace_back(&place, steepness);
     });
     if (count_served() < kMinPlaces) continue;

@@ -10,7 +10,6 @@
 
 #include "core/math/statistics.h"
 #include "mapping/ground/image_sampling.h"
-#include "mapping/texture/own_shade.h"
 
 namespace parkade {
 namespace {
@@ -30,54 +29,59 @@ constexpr double kInShade = 0.04;  // of the rank, where the sun is known: seen 
 constexpr size_t kMinGainSamples = 60;  // fewer say nothing about the exposure
 constexpr float kMaxGain = 3;
 
-/// The pixel at which the image shows a point of the ground, unless the own car is in the way, or
-/// the own deck. `point_in_ground` is the same point.
-std::optional<Eigen::Vector2d> FindPixel(const GroundImage& image, const Rigid3& camera_from_site,
-                                         const Eigen::Vector3d& point_in_site,
-                                         const Eigen::Vector3d& point_in_ground) {
+}  // namespace
+
+GroundSight::GroundSight(const GroundImage& image, double max_range)
+    : image_(&image),
+      max_range_(max_range),
+      camera_from_site_(image.site_from_camera.Inverse()),
+      ground_from_site_(image.site_from_ground.Inverse()),
+      car_(image.contact, kShadeMargin) {
+  if (image.to_sun) to_sun_in_ground_ = ground_from_site_.rotation * *image.to_sun;
+}
+
+std::optional<Eigen::Vector2d> GroundSight::PixelOf(const Eigen::Vector3d& point_in_site) const {
+  return PixelOf(point_in_site, ground_from_site_ * point_in_site);
+}
+
+std::optional<Eigen::Vector2d> GroundSight::PixelOf(const Eigen::Vector3d& point_in_site,
+                                                    const Eigen::Vector3d& point_in_ground) const {
   const double height_of_deck =
       std::min(kDeckHeight, kDeckStep + kSteepest * point_in_ground.head<2>().norm());
   if (std::abs(point_in_ground.z()) > height_of_deck) return {};
-  if (IsUnderCar(point_in_ground.head<2>(), image.contact)) return {};
+  if (IsUnderCar(point_in_ground.head<2>(), image_->contact)) return {};
   std::optional<Eigen::Vector2d> pixel =
-      image.camera->model.Project(camera_from_site * point_in_site);
-  if (!pixel || !image.camera->IsUsable(*pixel, 1)) return {};
+      image_->camera->model.Project(camera_from_site_ * point_in_site);
+  if (!pixel || !image_->camera->IsUsable(*pixel, 1)) return {};
   return pixel;
 }
 
 /// What an observation's steepness counts for, as the own car may keep the sun from the point, or
 /// the sky.
-double LitShare(const GroundImage& image, const Eigen::Vector2d& point_in_ground) {
-  const double off = image.contact.DistanceTo(point_in_ground);
+double GroundSight::LitShare(const Eigen::Vector2d& point_in_ground) const {
+  const double off = image_->contact.DistanceTo(point_in_ground);
   const double lit =
       kShadePenalty + (1 - kShadePenalty) * std::clamp((off - kOwnShade) / kShadeRim, 0.0, 1.0);
-  if (!image.to_sun) return lit;
-  const Eigen::Vector3d to_sun = image.site_from_ground.rotation.conjugate() * *image.to_sun;
-  return ShadeCaster(image.contact, kShadeMargin).Shades(point_in_ground, to_sun) ? kInShade : lit;
+  const bool is_shaded = to_sun_in_ground_ && car_.Shades(point_in_ground, *to_sun_in_ground_);
+  return is_shaded ? kInShade : lit;
 }
 
-}  // namespace
-
-GroundPixel SeePoint(const GroundImage& image, const Rigid3& camera_from_site,
-                     const Eigen::Vector3d& point_in_site, double max_range) {
-  const Eigen::Vector3d observation = point_in_site - image.site_from_camera.translation;
-  if (observation.head<2>().squaredNorm() > max_range * max_range || observation.z() > -0.05)
+GroundPixel GroundSight::See(const Eigen::Vector3d& point_in_site) const {
+  const Eigen::Vector3d& eye = image_->site_from_camera.translation;
+  const Eigen::Vector3d observation = point_in_site - eye;
+  if (observation.head<2>().squaredNorm() > max_range_ * max_range_ || observation.z() > -0.05)
     return {};
-  if (!image.open_ground.Shows(image.site_from_camera.translation.head<2>(),
-                               point_in_site.head<2>()))
-    return {};
-  const Eigen::Vector3d point_in_ground = image.site_from_ground.Inverse() * point_in_site;
-  const std::optional<Eigen::Vector2d> pixel =
-      FindPixel(image, camera_from_site, point_in_site, point_in_ground);
+  if (!image_->open_ground.Shows(eye.head<2>(), point_in_site.head<2>())) return {};
+  const Eigen::Vector3d point_in_ground = ground_from_site_ * point_in_site;
+  const std::optional<Eigen::Vector2d> pixel = PixelOf(point_in_site, point_in_ground);
   if (!pixel) return {};
-  const double lit = LitShare(image, point_in_ground.head<2>());
+  const double lit = LitShare(point_in_ground.head<2>());
   return {pixel->cast<float>(), static_cast<float>(lit * -observation.z() / observation.norm())};
 }
 
 Eigen::Array3f FindGain(const GroundImage& image, const CellFinder& cells, double max_range) {
   constexpr int kNumAngles = 48, kNumRanges = 12;
-  const Rigid3 camera_from_site = image.site_from_camera.Inverse(),
-               ground_from_site = image.site_from_ground.Inverse();
+  const GroundSight sight(image, max_range);
   const Eigen::Vector3d& eye = image.site_from_camera.translation;
   std::array<std::vector<float>, 3> ratios;
   for (int i = 0; i < kNumAngles; ++i)
@@ -89,8 +93,7 @@ Eigen::Array3f FindGain(const GroundImage& image, const CellFinder& cells, doubl
       const SurfaceCell* cell = cells.Find(point);
       if (cell == nullptr) continue;
       point.z() = static_cast<double>(cell->height);
-      const std::optional<Eigen::Vector2d> pixel =
-          FindPixel(image, camera_from_site, point, ground_from_site * point);
+      const std::optional<Eigen::Vector2d> pixel = sight.PixelOf(point);
       if (!pixel) continue;
       const Eigen::Vector2f place = pixel->cast<float>();
       const std::array<float, 3> color = ColorAt(image.image, place.x(), place.y());

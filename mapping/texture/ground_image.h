@@ -11,6 +11,7 @@
 #include "mapping/ground/wheelbase_footprint.h"
 #include "mapping/surface/visibility_horizon.h"
 #include "mapping/texture/exposure_and_vignetting.h"
+#include "mapping/texture/own_shade.h"
 
 namespace parkade {
 
@@ -36,11 +37,30 @@ struct GroundPixel {
   float steepness = 0;
 };
 
-/// How an image sees a point; not at all beyond `max_range` [m] (horizontally) from the camera,
-/// where something stands in the way, or on another deck than the car's: its own floor is what a
-/// image shows there. The image is not needed.
-GroundPixel SeePoint(const GroundImage& image, const Rigid3& camera_from_site,
-                     const Eigen::Vector3d& point_in_site, double max_range);
+/// How an image sees points. Borrows the image, whose pixels are not needed.
+class GroundSight {
+ public:
+  /// \param max_range  [m] horizontally from the camera, beyond which nothing is seen
+  GroundSight(const GroundImage& image, double max_range);
+
+  /// Nothing where something stands in the way, or on another deck than the car's: its own floor is
+  /// what an image shows there.
+  GroundPixel See(const Eigen::Vector3d& point_in_site) const;
+
+  /// The pixel of a point, whatever stands in between: the own car and other decks alone count.
+  std::optional<Eigen::Vector2d> PixelOf(const Eigen::Vector3d& point_in_site) const;
+
+ private:
+  std::optional<Eigen::Vector2d> PixelOf(const Eigen::Vector3d& point_in_site,
+                                         const Eigen::Vector3d& point_in_ground) const;
+  double LitShare(const Eigen::Vector2d& point_in_ground) const;
+
+  const GroundImage* image_;
+  double max_range_;
+  Rigid3 camera_from_site_, ground_from_site_;
+  ShadeCaster car_;
+  std::optional<Eigen::Vector3d> to_sun_in_ground_;
+};
 
 /// Median of cells' blue, green and red over those of the image at the same places: what it has to
 /// be multiplied by to look like the surface; 1 where too little is seen. Within [1/3, 3].

@@ -5,7 +5,6 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "core/log.h"
@@ -19,6 +18,21 @@ namespace {
 constexpr double kNear = 4;  // [m] from the wheels' contact area: as far as most shadows reach
 constexpr std::size_t kMinObservations = 3;    // of a place by one drive, to say what is dark there
 constexpr int kDarkest = 8, kBrightest = 247;  // of luma that sensors tell apart
+constexpr int kBlur = 2;  // [px] around: a place about as large as other images see it
+
+/// The mean color of the pixels around one.
+std::array<float, 3> ColorAround(const cv::Mat& image, const Eigen::Vector2f& pixel) {
+  std::array<float, 3> sum{};
+  for (int y = -kBlur; y <= kBlur; ++y)
+    for (int x = -kBlur; x <= kBlur; ++x) {
+      const std::array<float, 3> color = ColorAt(image, pixel.x() + static_cast<float>(x),
+                                                 pixel.y() + static_cast<float>(y));
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += color[c];
+    }
+  constexpr float kCount = (2 * kBlur + 1) * (2 * kBlur + 1);
+  for (float& value : sum) value /= kCount;
+  return sum;
+}
 
 }  // namespace
 
@@ -35,18 +49,16 @@ LightMeter::LightMeter(std::vector<Eigen::Vector3d> places, std::size_t num_imag
 
 std::vector<std::pair<std::size_t, LightObservation>> LightMeter::ObservationsOf(
     const GroundImage& image) const {
-  const Rigid3 camera_from_site = image.site_from_camera.Inverse();
+  const GroundSight sight(image, max_range_);
   const Eigen::Vector3d& eye = image.site_from_camera.translation;
-  cv::Mat blurred;  // of which a pixel stands for a place about as large as others see it
-  cv::blur(image.image, blurred, {5, 5});
   std::vector<std::pair<std::size_t, LightObservation>> observations;
   const auto begin = std::partition_point(points_.begin(), points_.end(), [&](const auto& point) {
     return point.x() < eye.x() - max_range_;
   });
   for (auto point = begin; point != points_.end() && point->x() <= eye.x() + max_range_; ++point) {
-    const GroundPixel seen = SeePoint(image, camera_from_site, *point, max_range_);
+    const GroundPixel seen = sight.See(*point);
     if (seen.steepness <= 0) continue;
-    const std::array<float, 3> color = ColorAt(blurred, seen.pixel.x(), seen.pixel.y());
+    const std::array<float, 3> color = ColorAround(image.image, seen.pixel);
     const int luma = Lightness(static_cast<int>(color[0]), static_cast<int>(color[1]),
                                static_cast<int>(color[2]));
     if (luma <= kDarkest || luma >= kBrightest) continue;

@@ -39,17 +39,19 @@ TEST(SamplesAround, VisitsWhatLiesBetweenPlaces) {
     posed.patch.samples.push_back(sample);
   }
   const Vector3d eye(2.5, -1.5, 1.7);
-  const SamplesAround samples(posed, eye);
   for (int round = 0; round < 200; ++round) {
     const Vector2d middle =
         eye.head<2>() + 6 * Vector2d(std::cos(0.1 * round), std::sin(0.1 * round));
-    std::array<Vector2d, 4> places;
+    GroundArea places;
     for (Vector2d& place : places)
       place = middle + 0.2 * Vector2d(coordinate(random), coordinate(random));
 
+    // Others are looked at, too.
+    const std::array<GroundArea, 2> areas{
+        places, GroundArea{Vector2d(8, 8), {8, 9}, {9, 9}, {9, 8}}};
     std::multiset<float> visited, expected;
-    samples.VisitBetween(places,
-                         [&](const Eigen::Vector3f& ray, float) { visited.insert(ray.x()); });
+    SamplesAround(posed, eye, areas)
+        .VisitBehind(places, [&](const Eigen::Vector3f& ray, float) { visited.insert(ray.x()); });
 
     for (const GroundSample& sample : posed.patch.samples) {
       const Vector3d ray = posed.site_from_body * sample.point_in_body.cast<double>() - eye;
@@ -69,10 +71,10 @@ TEST(SamplesAround, VisitsAllFromAmongThePlaces) {
         Eigen::Vector3d(5 * std::cos(i), 5 * std::sin(i), 0).cast<float>().eval();
     posed.patch.samples.push_back(sample);
   }
-  const SamplesAround samples(posed, {0, 0, 1.2});
-  const std::array<Vector2d, 4> places{Vector2d(-1, -1), {1, -1}, {-1, 1}, {1, 1}};
+  const GroundArea around{Vector2d(-1, -1), {1, -1}, {-1, 1}, {1, 1}};
   int num_visited = 0;
-  samples.VisitBetween(places, [&](const Eigen::Vector3f&, float) { ++num_visited; });
+  SamplesAround(posed, {0, 0, 1.2}, std::span(&around, 1))
+      .VisitBehind(around, [&](const Eigen::Vector3f&, float) { ++num_visited; });
   EXPECT_EQ(num_visited, 100);
 }
 
