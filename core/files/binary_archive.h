@@ -129,6 +129,11 @@ void SerializeValue(Archive& archive, std::optional<Item>& item) {
   if (item) archive(*item);
 }
 
+template <typename Archive, typename First, typename Second>
+void SerializeValue(Archive& archive, std::pair<First, Second>& pair) {
+  archive(pair.first, pair.second);
+}
+
 template <typename Archive, typename Key, typename Item>
 void SerializeValue(Archive& archive, std::map<Key, Item>& items) {
   std::vector<std::pair<Key, Item>> list(items.begin(), items.end());

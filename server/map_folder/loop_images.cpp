@@ -1,15 +1,12 @@
 #include "server/map_folder/loop_images.h"
 
 #include <cstdio>
-#include <opencv2/imgcodecs.hpp>
-#include <set>
+#include <utility>
 
 #include "core/files/file.h"
 
 namespace parkade {
 namespace {
-
-constexpr int kQuality = 80;
 
 /// The image's path, relative to the map's folder.
 std::string ImageName(const std::string& drive, size_t keyframe, const std::string& camera) {
@@ -34,31 +31,21 @@ nlohmann::json LoopsToJson(const LoopClosure& closure, const Rig& rig, const std
     for (nlohmann::json& camera : of_loop["inliers"]["cameras"])
       camera = NameOf(rig, camera.get<int>());
     of_loop["thumbnails"] = nlohmann::json::array();
-    if (!loop.earlier_view.empty())
-      of_loop["thumbnails"].push_back(
-          ImageName(drive, loop.earlier_keyframe, NameOf(rig, loop.earlier_camera)));
-    if (!loop.later_view.empty())
-      of_loop["thumbnails"].push_back(
-          ImageName(drive, loop.later_keyframe, NameOf(rig, loop.later_camera)));
+    for (const auto& end : {std::pair(loop.earlier_keyframe, loop.earlier_camera),
+                            std::pair(loop.later_keyframe, loop.later_camera)})
+      if (closure.views.contains(end))
+        of_loop["thumbnails"].push_back(ImageName(drive, end.first, NameOf(rig, end.second)));
   }
   return json;
 }
 
 void WriteLoopImages(const LoopClosure& closure, const Rig& rig, const std::string& drive,
                      const std::filesystem::path& folder) {
-  std::set<std::string> written;
-  const auto write = [&](const cv::Mat& view, size_t keyframe, int camera) {
-    const std::string name = ImageName(drive, keyframe, NameOf(rig, camera));
-    if (view.empty() || !written.insert(name).second) return;
-    std::vector<uchar> jpeg;
-    cv::imencode(".jpg", view, jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality});
-    std::filesystem::create_directories((folder / name).parent_path());
-    WriteFileAtomically(folder / name,
-                        std::string_view(reinterpret_cast<const char*>(jpeg.data()), jpeg.size()));
-  };
-  for (const LoopEvidence& loop : closure.loops) {
-    write(loop.earlier_view, loop.earlier_keyframe, loop.earlier_camera);
-    write(loop.later_view, loop.later_keyframe, loop.later_camera);
+  for (const auto& [end, jpeg] : closure.views) {
+    const std::filesystem::path file =
+        folder / ImageName(drive, end.first, NameOf(rig, end.second));
+    std::filesystem::create_directories(file.parent_path());
+    WriteFileAtomically(file, jpeg);
   }
 }
 

@@ -6,7 +6,7 @@
 #include "core/log.h"
 #include "core/trajectory.h"
 #include "server/map_folder/stage_cache.h"
-#include "slam/sessions/stage_results.h"
+#include "slam/places/keyframe_bytes.h"
 
 namespace parkade {
 namespace {

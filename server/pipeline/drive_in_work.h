@@ -10,9 +10,9 @@
 #include "server/pipeline/keyed.h"
 #include "slam/odometry/calibrated_log.h"
 #include "slam/odometry/odometry_result.h"
+#include "slam/places/keyframe_store.h"
 #include "slam/places/rig_keyframe.h"
 #include "slam/refinement/sensor_agreement.h"
-#include "slam/sessions/keyframe_store.h"
 
 namespace parkade {
 

@@ -13,6 +13,7 @@
 #include "slam/georeference/gnss_doubts.h"
 #include "slam/loops/close_loops.h"
 #include "slam/places/describe_keyframes.h"
+#include "slam/places/keyframe_bytes.h"
 #include "slam/places/move_keyframes.h"
 #include "slam/sessions/stage_results.h"
 
@@ -125,8 +126,7 @@ void CloseLoops(const BuildContext& context, DriveInWork& drive) {
     // Cameras are where and when odometry found them to be.
     const OdometryResult& odometry = drive.odometry.value;
     return CloseLoops(CalibratedLog(*drive.log, odometry.rig), odometry.odom_from_body,
-                      context.options.loops, drive.review,
-                      [&](const RigKeyframe& keyframe) { drive.described->Add(keyframe); });
+                      context.options.loops, drive.review, *drive.described);
   });
 }
 

@@ -3,21 +3,14 @@
 #include <chrono>
 
 #include "core/error.h"
-#include "core/parallel.h"
-#include "slam/baselines/relative_pose_baselines.h"
 #include "slam/loops/keyframe_graph.h"
 #include "slam/loops/loop_shares.h"
+#include "slam/loops/measure_loops.h"
 #include "slam/loops/reviewed_loops.h"
-#include "slam/places/estimate_rig_pose.h"
-#include "slam/places/widen_keyframe.h"
 #include "slam/pose_graph/robust_pose_graph.h"
 
 namespace parkade {
 namespace {
-
-// Below these no loop without scale is believed: two cameras do not hold together as four do.
-constexpr double kFloorTranslation = 0.02;           // [m] across the direction, at least
-constexpr double kFloorRotation = 0.1 * M_PI / 180;  // [rad]
 
 /// Vertex 0 is the world, vertex i + 1 is keyframe i.
 PoseGraph GraphOf(const std::vector<RigKeyframe>& keyframes, const LoopOptions& options) {
@@ -27,97 +20,6 @@ PoseGraph GraphOf(const std::vector<RigKeyframe>& keyframes, const LoopOptions& 
   for (const RigKeyframe& keyframe : keyframes) poses.push_back(keyframe.odom_from_keyframe);
   graph.vertices[AddKeyframes(keyframes, poses, options, 0, graph)].is_fixed = true;
   return graph;
-}
-
-/// The factor of the five-point method is between two cameras; the length of the way between them
-/// is unknown. The evidence shows the odometry's length.
-void MeasureWithoutScale(const RigKeyframe& earlier, const RigKeyframe& later,
-                         const std::vector<FeatureMatch>& matches, const Rigid3& by_odometry,
-                         const LoopOptions& options, LoopEvidence& loop) {
-  const TwoViewPose pose = EstimateTwoViewPose(earlier, later, matches, options.relative_pose);
-  loop.pose.num_matches = pose.num_matches;
-  loop.pose.num_inliers = pose.num_inliers;
-  loop.pose.num_camera_pairs = 1;
-  loop.pose.rejected = pose.rejected;
-  if (!pose.rejected.empty()) return;
-  const Eigen::Vector3d baseline = by_odometry * pose.second_in_b - pose.first_in_a;
-  const Eigen::Vector3d direction = pose.first_from_second.translation;
-  const Rigid3 scaled{pose.first_from_second.rotation,
-                      std::max(direction.dot(baseline), 0.01) * direction};
-  loop.earlier_from_camera = {Eigen::Quaterniond::Identity(), pose.first_in_a};
-  loop.later_from_camera = {Eigen::Quaterniond::Identity(), pose.second_in_b};
-  loop.pose.a_from_b = loop.earlier_from_camera * scaled * loop.later_from_camera.Inverse();
-  const double sigma =
-      std::hypot(pose.direction_sigma * scaled.translation.norm(), kFloorTranslation);
-  loop.pose.worst_sigma = sigma;
-  loop.pose.information = ScaleLessInformation(
-      scaled,
-      pose.rotation_covariance + kFloorRotation * kFloorRotation * Eigen::Matrix3d::Identity(),
-      sigma, options.method == "scale-less");
-}
-
-/// Keeps the images of the two cameras that share the most inliers.
-void ShowViews(const RigKeyframe& earlier, const RigKeyframe& later, LoopEvidence& loop) {
-  if (!loop.pose.inliers_of_cameras.empty()) {
-    loop.earlier_camera = loop.pose.inliers_of_cameras.front().camera_a;
-    loop.later_camera = loop.pose.inliers_of_cameras.front().camera_b;
-  }
-  const auto view_of = [](const RigKeyframe& keyframe, int camera) {
-    const auto index = static_cast<size_t>(camera);
-    return index < keyframe.views.size() ? keyframe.views[index] : cv::Mat();
-  };
-  loop.earlier_view = view_of(earlier, loop.earlier_camera);
-  loop.later_view = view_of(later, loop.later_camera);
-}
-
-/// The pose by all cameras, with what the neighbors of both keyframes saw where that is asked for.
-RelativePose MeasureRig(const std::vector<RigKeyframe>& keyframes, const PlaceCandidate& candidate,
-                        const LoopOptions& options) {
-  const RelativePoseOptions& how = options.relative_pose;
-  if (options.neighbors == 0) {
-    const RigKeyframe &earlier = keyframes[candidate.earlier], &later = keyframes[candidate.later];
-    return EstimateRigPose(earlier, later, MatchKeyframes(earlier, later, how), how);
-  }
-  const auto reach = static_cast<size_t>(options.neighbors);
-  const RigKeyframe earlier = WidenKeyframe(keyframes, candidate.earlier, reach),
-                    later = WidenKeyframe(keyframes, candidate.later, reach);
-  RelativePose pose = EstimateRigPose(earlier, later, MatchKeyframes(earlier, later, how), how);
-  pose.information /=
-      2 * options.neighbors + 1;  // points that several neighbors saw count more than once
-  return pose;
-}
-
-/// Relative poses of all candidates, in their order.
-std::vector<LoopEvidence> Measure(const std::vector<RigKeyframe>& keyframes,
-                                  const std::vector<PlaceCandidate>& candidates,
-                                  const LoopOptions& options) {
-  return ParallelMap(candidates.size(), [&](size_t i) {
-    const PlaceCandidate& candidate = candidates[i];
-    const RigKeyframe &earlier = keyframes[candidate.earlier], &later = keyframes[candidate.later];
-    LoopEvidence loop;
-    loop.id = std::to_string(candidate.earlier) + "-" + std::to_string(candidate.later);
-    loop.earlier_keyframe = candidate.earlier;
-    loop.later_keyframe = candidate.later;
-    loop.earlier = earlier.time;
-    loop.later = later.time;
-    loop.way = later.distance - earlier.distance;
-    loop.score = candidate.score;
-    const Rigid3 by_odometry = earlier.odom_from_keyframe.Inverse() * later.odom_from_keyframe;
-    if (options.method == "rig") {
-      loop.pose = MeasureRig(keyframes, candidate, options);
-    } else {
-      const std::vector<FeatureMatch> matches =
-          MatchKeyframes(earlier, later, options.relative_pose);
-      if (options.method == "pnp") {
-        loop.pose = EstimatePnpPose(earlier, later, matches, options.relative_pose);
-      } else {
-        MeasureWithoutScale(earlier, later, matches, by_odometry, options, loop);
-      }
-    }
-    ShowViews(earlier, later, loop);
-    loop.odometry_disagreement = (loop.pose.a_from_b.translation - by_odometry.translation).norm();
-    return loop;
-  });
 }
 
 /// The loop's edge, the last of the graph. Where it is between cameras that are not the keyframes
@@ -210,29 +112,29 @@ Trajectory CarryAlong(const Trajectory& odometry, const std::vector<RigKeyframe>
 }
 
 LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const LoopOptions& options,
-                       const LoopReview& review,
-                       const std::function<void(const RigKeyframe&)>& keep) {
+                       const LoopReview& review, KeyframeStore& described) {
   options.Validate();
   const auto start = std::chrono::steady_clock::now();
   LoopClosure closure;
   closure.odom_from_body = odometry;
   if (options.method == "none" || odometry.states().size() < 2) return closure;
-  std::vector<RigKeyframe> keyframes = ChooseKeyframes(odometry, options.keyframes);
+  const std::vector<RigKeyframe> keyframes = ChooseKeyframes(odometry, options.keyframes);
   closure.num_keyframes = static_cast<int>(keyframes.size());
   std::vector<bool> is_possible = FindPossibleRevisits(keyframes, options.recognition);
   const ReviewedLoops reviewed(review, keyframes.size());
   reviewed.MarkKeyframes(is_possible);
   if (std::count(is_possible.begin(), is_possible.end(), true) == 0) return closure;
-  std::vector<RigKeyframe> chosen = std::exchange(keyframes, {});
-  DescribeKeyframes(log, odometry, options.keyframes, is_possible, std::move(chosen),
-                    [&](RigKeyframe&& keyframe) {
-                      if (keep && is_possible[keyframes.size()]) keep(keyframe);
-                      keyframe.floor.release();  // is for joining drives
-                      keyframes.push_back(std::move(keyframe));
+  PlaceWords words;
+  DescribeKeyframes(log, odometry, options.keyframes, is_possible, keyframes,
+                    [&, index = size_t{0}](RigKeyframe&& keyframe) mutable {
+                      words.Add(keyframe);
+                      if (is_possible[index++]) described.Add(keyframe);
                     });
-  std::vector<PlaceCandidate> candidates = RecognizePlaces(keyframes, options.recognition);
+  std::vector<PlaceCandidate> candidates =
+      RecognizePlaces(words, keyframes, options.recognition);
+  words = {};
   reviewed.AddForced(candidates);
-  closure.loops = Measure(keyframes, candidates, options);
+  closure.loops = MeasureLoops(described, keyframes, candidates, options, closure.views);
   for (LoopEvidence& loop : closure.loops) reviewed.Judge(loop);
   const std::vector<double> shares = SharesOf(closure.loops, keyframes, options.shared_reach);
   for (size_t i = 0; i < shares.size(); ++i) closure.loops[i].share = shares[i];

@@ -59,8 +59,6 @@ void LoopOptions::Validate() const {
   keyframes.Validate();
   recognition.Validate();
   relative_pose.Validate();
-  Require(neighbors >= 0 && neighbors <= 10, ErrorCode::kUsage,
-          "a loop has at most 10 neighbors to each side");
   Require(odometry_translation > 0 && odometry_yaw > 0 && odometry_tilt > 0 && shared_reach > 0,
           ErrorCode::kUsage, "the sigmas of odometry and the reach of loops must be positive");
 }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/option_about.h"
@@ -22,7 +24,6 @@ struct LoopOptions {
   double odometry_translation = 0.003;  ///< [m / sqrt(m)]
   double odometry_yaw = 0.0006;         ///< [rad / sqrt(m)]
   double odometry_tilt = 0.0005;        ///< [rad] of roll and pitch, which do not drift
-  int neighbors = 0;  ///< keyframes before and after one that a loop by "rig" is measured with
   double shared_reach = 8;  ///< [m] within which loops see the same and share what they know
 
   template <typename Visitor>
@@ -52,7 +53,6 @@ struct LoopEvidence {
                    ///< same odometry
   size_t earlier_keyframe = 0, later_keyframe = 0;
   int earlier_camera = 0, later_camera = 0;  ///< that share the most inliers
-  cv::Mat earlier_view, later_view;          ///< what they saw, small; CV_8UC1, may be empty
   Timestamp earlier, later;
   double way = 0;                                 ///< [m] driven between
   double score = 0;                               ///< by place recognition
@@ -65,10 +65,14 @@ struct LoopEvidence {
   double odometry_disagreement = 0;  ///< [m] how far off odometry alone put the later keyframe
 };
 
+/// What cameras saw at keyframes of loops, small, for people: JPEG by keyframe and camera.
+using LoopViews = std::map<std::pair<size_t, int>, std::string>;
+
 struct LoopClosure {
   Trajectory odom_from_body;  ///< corrected, at the times of the odometry; the odometry itself
                               ///< without loops
   std::vector<LoopEvidence> loops;
+  LoopViews views;  ///< of the loops' cameras, where the log has images
   int num_keyframes = 0, num_accepted = 0;
   double largest_correction = 0;  ///< [m]
   double seconds = 0;             ///< of computing

@@ -2,65 +2,79 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <numeric>
+#include <utility>
 
 #include "core/error.h"
 
 namespace parkade {
 namespace {
 
+/// The words of keyframes. Borrowed.
+using WordsOfKeyframes = std::vector<const std::vector<std::uint32_t>*>;
+
 /// Which keyframes have each word.
 class WordIndex {
  public:
-  /// \param entries  of all keyframes, sorted, each once
-  WordIndex(const std::vector<PlaceWords::Entry>& entries, size_t num_keyframes)
-      : words_of_(num_keyframes), norms_(num_keyframes) {
-    keyframes_.reserve(entries.size());
-    for (size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
-      while (end < entries.size() && entries[end].word == entries[begin].word) ++end;
+  explicit WordIndex(WordsOfKeyframes words)
+      : words_of_(std::move(words)),
+        begins_(PlaceWords::kNumWords + 1),
+        weights_(PlaceWords::kNumWords),
+        norms_(words_of_.size()) {
+    for (const auto* words_of_one : words_of_)
+      for (const std::uint32_t word : *words_of_one) ++begins_[word + 1];
+    for (std::size_t word = 0; word < weights_.size(); ++word) {
+      if (begins_[word + 1] == 0) continue;
       const double inverse_frequency =
-          std::log(static_cast<double>(num_keyframes) / static_cast<double>(end - begin));
-      const double weight = inverse_frequency * inverse_frequency;
-      for (size_t i = begin; i < end; ++i) {
-        keyframes_.push_back(entries[i].keyframe);
-        words_of_[entries[i].keyframe].push_back(words_.size());
-        norms_[entries[i].keyframe] += weight;
-      }
-      words_.push_back({begin, weight});
+          std::log(static_cast<double>(words_of_.size()) / static_cast<double>(begins_[word + 1]));
+      weights_[word] = inverse_frequency * inverse_frequency;
     }
-    for (double& norm : norms_) norm = std::sqrt(norm);
+    std::partial_sum(begins_.begin(), begins_.end(), begins_.begin());
+    keyframes_.resize(begins_.back());
+    std::vector<std::size_t> next(begins_.begin(), begins_.end() - 1);
+    for (std::size_t i = 0; i < words_of_.size(); ++i) {
+      for (const std::uint32_t word : *words_of_[i]) {
+        keyframes_[next[word]++] = static_cast<std::uint32_t>(i);
+        norms_[i] += weights_[word];
+      }
+      norms_[i] = std::sqrt(norms_[i]);
+    }
   }
 
+  std::size_t num_keyframes() const { return words_of_.size(); }
+
   /// Cosines between the words of `later` and of each keyframe below `end`.
-  void ScoreThoseBefore(size_t end, size_t later, std::vector<double>& scores) const {
+  void ScoreThoseBefore(std::size_t end, std::size_t later, std::vector<double>& scores) const {
     std::fill(scores.begin(), scores.end(), 0);
-    for (const size_t word : words_of_[later])
-      for (size_t i = words_[word].begin; keyframes_[i] < end; ++i)
-        scores[keyframes_[i]] += words_[word].weight;
-    for (size_t i = 0; i < end; ++i)
+    for (const std::uint32_t word : *words_of_[later])
+      for (std::size_t i = begins_[word]; keyframes_[i] < end; ++i)
+        scores[keyframes_[i]] += weights_[word];
+    for (std::size_t i = 0; i < end; ++i)
       if (scores[i] > 0) scores[i] /= norms_[i] * norms_[later];
   }
 
  private:
-  struct Word {
-    size_t begin = 0;   ///< in keyframes_
-    double weight = 0;  ///< tf-idf, squared
-  };
-  std::vector<Word> words_;
-  std::vector<std::uint32_t> keyframes_;       ///< word by word, ascending
-  std::vector<std::vector<size_t>> words_of_;  ///< per keyframe, ascending
-  std::vector<double> norms_;                  ///< per keyframe
+  WordsOfKeyframes words_of_;
+  std::vector<std::size_t> begins_;       ///< by word, in keyframes_; and the end
+  std::vector<double> weights_;           ///< by word: tf-idf, squared
+  std::vector<std::uint32_t> keyframes_;  ///< word by word, ascending
+  std::vector<double> norms_;             ///< per keyframe
 };
+
+void AddWords(const PlaceWords& drive, WordsOfKeyframes& words) {
+  for (const std::vector<std::uint32_t>& of_keyframe : drive.of_keyframes())
+    words.push_back(&of_keyframe);
+}
 
 /// For each keyframe from `first_later` on, the most alike keyframes before it and before
 /// `end_earlier`.
-std::vector<PlaceCandidate> FindAlike(const WordIndex& index, size_t num_keyframes,
-                                      size_t first_later, size_t end_earlier,
+std::vector<PlaceCandidate> FindAlike(const WordIndex& index, size_t first_later,
+                                      size_t end_earlier,
                                       const std::function<bool(size_t, size_t)>& is_possible,
                                       int max_candidates) {
   std::vector<PlaceCandidate> candidates;
-  std::vector<double> scores(num_keyframes);
-  for (size_t later = first_later; later < num_keyframes; ++later) {
+  std::vector<double> scores(index.num_keyframes());
+  for (size_t later = first_later; later < index.num_keyframes(); ++later) {
     const size_t end = std::min(later, end_earlier);
     index.ScoreThoseBefore(end, later, scores);
     std::vector<PlaceCandidate> found;
@@ -117,33 +131,32 @@ std::vector<bool> FindPossibleRevisits(const std::vector<RigKeyframe>& keyframes
 std::vector<PlaceCandidate> FindAlikePlaces(const PlaceWords& keyframes,
                                             const std::function<bool(size_t, size_t)>& is_possible,
                                             int max_candidates) {
-  const size_t count = keyframes.num_keyframes();
-  return FindAlike(WordIndex(keyframes.entries(), count), count, 0, count, is_possible,
-                   max_candidates);
+  WordsOfKeyframes words;
+  AddWords(keyframes, words);
+  const size_t count = words.size();
+  return FindAlike(WordIndex(std::move(words)), 0, count, is_possible, max_candidates);
 }
 
 std::vector<PlaceCandidate> FindAlikePlaces(const PlaceWords& earlier, const PlaceWords& later,
                                             const std::function<bool(size_t, size_t)>& is_possible,
                                             int max_candidates) {
-  const size_t num_earlier = earlier.num_keyframes(), count = num_earlier + later.num_keyframes();
-  std::vector<PlaceWords::Entry> of_later = later.entries(), all;
-  for (PlaceWords::Entry& entry : of_later)
-    entry.keyframe += static_cast<std::uint32_t>(num_earlier);
-  all.reserve(earlier.entries().size() + of_later.size());
-  std::merge(earlier.entries().begin(), earlier.entries().end(), of_later.begin(), of_later.end(),
-             std::back_inserter(all));
+  WordsOfKeyframes words;
+  AddWords(earlier, words);
+  const size_t num_earlier = words.size();
+  AddWords(later, words);
   const auto is_possible_pair = [&](size_t a, size_t b) { return is_possible(a, b - num_earlier); };
-  std::vector<PlaceCandidate> candidates = FindAlike(WordIndex(all, count), count, num_earlier,
-                                                     num_earlier, is_possible_pair, max_candidates);
+  std::vector<PlaceCandidate> candidates = FindAlike(
+      WordIndex(std::move(words)), num_earlier, num_earlier, is_possible_pair, max_candidates);
   for (PlaceCandidate& candidate : candidates) candidate.later -= num_earlier;
   return candidates;
 }
 
-std::vector<PlaceCandidate> RecognizePlaces(const std::vector<RigKeyframe>& keyframes,
+std::vector<PlaceCandidate> RecognizePlaces(const PlaceWords& words,
+                                            const std::vector<RigKeyframe>& keyframes,
                                             const RecognitionOptions& options) {
   options.Validate();
   return FindAlikePlaces(
-      PlaceWords(keyframes),
+      words,
       [&](size_t earlier, size_t later) {
         return IsPossible(keyframes[earlier], keyframes[later], options);
       },

@@ -51,8 +51,10 @@ std::vector<PlaceCandidate> FindAlikePlaces(const PlaceWords& earlier, const Pla
                                             const std::function<bool(size_t, size_t)>& is_possible,
                                             int max_candidates);
 
-/// Pairs of alike keyframes of one drive that its odometry does not rule out.
-std::vector<PlaceCandidate> RecognizePlaces(const std::vector<RigKeyframe>& keyframes,
+/// Pairs of alike keyframes of one drive that its odometry does not rule out. Of the keyframes
+/// only their places are looked at.
+std::vector<PlaceCandidate> RecognizePlaces(const PlaceWords& words,
+                                            const std::vector<RigKeyframe>& keyframes,
                                             const RecognitionOptions& options);
 
 }  // namespace parkade

@@ -35,15 +35,19 @@ std::uint32_t WordOf(const uchar* descriptor, int table) {
 
 }  // namespace
 
-PlaceWords::PlaceWords(const std::vector<RigKeyframe>& keyframes)
-    : num_keyframes_(keyframes.size()) {
-  for (size_t i = 0; i < keyframes.size(); ++i)
-    for (int row = 0; row < keyframes[i].descriptors.rows; ++row)
-      for (int table = 0; table < kTables; ++table)
-        entries_.push_back(
-            {WordOf(keyframes[i].descriptors.ptr(row), table), static_cast<std::uint32_t>(i)});
-  std::sort(entries_.begin(), entries_.end());
-  entries_.erase(std::unique(entries_.begin(), entries_.end()), entries_.end());
+PlaceWords::PlaceWords(const std::vector<RigKeyframe>& keyframes) {
+  for (const RigKeyframe& keyframe : keyframes) Add(keyframe);
+}
+
+void PlaceWords::Add(const RigKeyframe& keyframe) {
+  static_assert(kNumWords == kTables << kBits);
+  std::vector<std::uint32_t> words;
+  for (int row = 0; row < keyframe.descriptors.rows; ++row)
+    for (int table = 0; table < kTables; ++table)
+      words.push_back(WordOf(keyframe.descriptors.ptr(row), table));
+  std::sort(words.begin(), words.end());
+  words.erase(std::unique(words.begin(), words.end()), words.end());
+  of_keyframes_.emplace_back(words.begin(), words.end());  // no larger than they are
 }
 
 }  // namespace parkade

@@ -13,21 +13,19 @@ namespace parkade {
 /// the left camera finds what the right one saw.
 class PlaceWords {
  public:
-  /// A word that a keyframe has.
-  struct Entry {
-    std::uint32_t word = 0;
-    std::uint32_t keyframe = 0;  ///< index
-    auto operator<=>(const Entry&) const = default;
-  };
+  static constexpr std::uint32_t kNumWords = std::uint32_t{4} << 16;
 
+  PlaceWords() = default;
   explicit PlaceWords(const std::vector<RigKeyframe>& keyframes);
 
-  size_t num_keyframes() const { return num_keyframes_; }
-  const std::vector<Entry>& entries() const { return entries_; }  ///< sorted, each once
+  /// The next keyframe, with its descriptors.
+  void Add(const RigKeyframe& keyframe);
+
+  /// The words of each keyframe, ascending, each once.
+  const std::vector<std::vector<std::uint32_t>>& of_keyframes() const { return of_keyframes_; }
 
  private:
-  size_t num_keyframes_ = 0;
-  std::vector<Entry> entries_;
+  std::vector<std::vector<std::uint32_t>> of_keyframes_;
 };
 
 }  // namespace parkade

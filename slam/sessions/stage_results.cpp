@@ -1,8 +1,5 @@
 #include "slam/sessions/stage_results.h"
 
-#include <algorithm>
-#include <map>
-#include <set>
 #include <utility>
 
 #include "core/binary_serialization.h"
@@ -53,13 +50,13 @@ void Serialize(A& archive, DriveResiduals& residuals) {
 template <typename A>
 void Serialize(A& archive, LoopEvidence& loop) {
   archive(loop.id, loop.earlier_keyframe, loop.later_keyframe, loop.earlier_camera,
-          loop.later_camera, loop.earlier_view, loop.later_view, loop.earlier, loop.later, loop.way,
-          loop.score, loop.pose, loop.earlier_from_camera, loop.later_from_camera, loop.is_forced,
+          loop.later_camera, loop.earlier, loop.later, loop.way, loop.score,
+          loop.pose, loop.earlier_from_camera, loop.later_from_camera, loop.is_forced,
           loop.share, loop.chi_squared, loop.weight, loop.odometry_disagreement);
 }
 template <typename A>
 void Serialize(A& archive, LoopClosure& closure) {
-  archive(closure.odom_from_body, closure.loops, closure.num_keyframes, closure.num_accepted,
+  archive(closure.odom_from_body, closure.loops, closure.views, closure.num_keyframes, closure.num_accepted,
           closure.largest_correction);
 }
 template <typename A>
@@ -91,16 +88,6 @@ void Serialize(A& archive, DriveRefinement& refinement) {
     archive(camera.body_from_camera, camera.time_shift, camera.line_delay);
 }
 template <typename A>
-void Serialize(A& archive, KeyframeFeature& feature) {
-  archive(feature.camera, feature.origin, feature.bearing, feature.sigma, feature.point,
-          feature.depth_sigma);
-}
-template <typename A>
-void Serialize(A& archive, RigKeyframe& keyframe) {
-  archive(keyframe.time, keyframe.distance, keyframe.odom_from_keyframe, keyframe.features,
-          keyframe.descriptors, keyframe.views);
-}
-template <typename A>
 void Serialize(A& archive, SessionLoop& link) {
   archive(link.keyframe_a, link.keyframe_b, link.score, link.pose);
 }
@@ -119,41 +106,6 @@ void Serialize(A& archive, SessionLoops& links) {
 }
 
 namespace {
-
-/// Where the features of a keyframe lie in its images: a section of its own, since older files lack
-/// it.
-struct ImagePoints {
-  std::vector<Timestamp> times;
-  std::vector<Eigen::Vector2f> points;  ///< as the keyframe's features
-};
-template <typename A>
-void Serialize(A& archive, ImagePoints& images) {
-  archive(images.times, images.points);
-}
-
-ImagePoints ImagePointsOf(const RigKeyframe& keyframe) {
-  ImagePoints images{keyframe.image_times, {}};
-  for (const KeyframeFeature& feature : keyframe.features)
-    images.points.push_back(feature.image_point);
-  return images;
-}
-
-void SetImagePoints(const ImagePoints& images, RigKeyframe& keyframe) {
-  Require(images.points.size() == keyframe.features.size(), ErrorCode::kInvalidInput,
-          "its image points do not fit");
-  keyframe.image_times = images.times;
-  for (size_t i = 0; i < images.points.size(); ++i)
-    keyframe.features[i].image_point = images.points[i];
-}
-
-/// Calls `see` with the number of a keyframe, a camera and what it saw, for both ends of a loop.
-template <typename See>
-void ForEachView(LoopEvidence& loop, const See& see) {
-  see(loop.earlier_keyframe, loop.earlier_camera, loop.earlier_view);
-  see(loop.later_keyframe, loop.later_camera, loop.later_view);
-}
-
-constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 20;
 
 template <typename Result>
 std::string Encode(Result& result) {
@@ -175,26 +127,8 @@ Result Decode(std::string_view bytes, Result result = {}) {
 std::string EncodeAgreement(SensorAgreement agreement) { return Encode(agreement); }
 SensorAgreement DecodeAgreement(std::string_view bytes) { return Decode<SensorAgreement>(bytes); }
 
-std::string EncodeLoops(LoopClosure loops) {
-  std::set<std::pair<std::size_t, int>> written;
-  for (LoopEvidence& loop : loops.loops)
-    ForEachView(loop, [&](std::size_t keyframe, int camera, cv::Mat& view) {
-      if (!view.empty() && !written.insert({keyframe, camera}).second) view.release();
-    });
-  return Encode(loops);
-}
-
-LoopClosure DecodeLoops(std::string_view bytes) {
-  auto loops = Decode<LoopClosure>(bytes);
-  std::map<std::pair<std::size_t, int>, cv::Mat> views;
-  for (LoopEvidence& loop : loops.loops)
-    ForEachView(loop, [&](std::size_t keyframe, int camera, cv::Mat& view) {
-      cv::Mat& first = views[{keyframe, camera}];
-      if (first.empty()) first = view;
-      view = first;
-    });
-  return loops;
-}
+std::string EncodeLoops(LoopClosure loops) { return Encode(loops); }
+LoopClosure DecodeLoops(std::string_view bytes) { return Decode<LoopClosure>(bytes); }
 
 std::string EncodeRefinement(DriveRefinement refinement) { return Encode(refinement); }
 DriveRefinement DecodeRefinement(std::string_view bytes, const Rig& rig) {
@@ -205,57 +139,6 @@ DriveRefinement DecodeRefinement(std::string_view bytes, const Rig& rig) {
 
 std::string EncodeResiduals(DriveResiduals residuals) { return Encode(residuals); }
 DriveResiduals DecodeResiduals(std::string_view bytes) { return Decode<DriveResiduals>(bytes); }
-
-KeyframesEncoder::KeyframesEncoder(size_t num_keyframes, std::function<void(std::string_view)> sink)
-    : sink_(std::move(sink)) {
-  std::uint64_t count = num_keyframes;
-  sink_(Encode(count));
-  floors_.Append(Encode(count));
-  images_.Append(Encode(count));
-}
-
-void KeyframesEncoder::Add(RigKeyframe keyframe) {
-  sink_(Encode(keyframe));
-  floors_.Append(Encode(keyframe.floor));
-  ImagePoints images = ImagePointsOf(keyframe);
-  images_.Append(Encode(images));
-}
-
-void KeyframesEncoder::Finish() {
-  for (const AppendedFile* file : {&floors_, &images_})
-    for (std::uint64_t offset = 0; offset < file->size();) {
-      const std::string piece =
-          file->Read(offset, std::min<std::uint64_t>(file->size() - offset, kPieceBytes));
-      sink_(piece);
-      offset += piece.size();
-    }
-}
-
-std::string EncodeKeyframes(const std::vector<RigKeyframe>& keyframes) {
-  std::string bytes;
-  KeyframesEncoder encoder(keyframes.size(), [&bytes](std::string_view piece) { bytes += piece; });
-  for (const RigKeyframe& keyframe : keyframes) encoder.Add(keyframe);
-  encoder.Finish();
-  return bytes;
-}
-
-std::vector<RigKeyframe> DecodeKeyframes(std::string_view bytes) {
-  BinaryReader reader(bytes);
-  std::vector<RigKeyframe> keyframes;
-  reader(keyframes);
-  if (reader.is_at_end()) return keyframes;  // written by a version that knew no floors
-  std::vector<cv::Mat> floors;
-  reader(floors);
-  Require(floors.size() == keyframes.size(), ErrorCode::kInvalidInput, "its floors do not fit");
-  for (size_t i = 0; i < keyframes.size(); ++i) keyframes[i].floor = floors[i];
-  if (reader.is_at_end()) return keyframes;  // written by a version that knew no image points
-  std::vector<ImagePoints> images;
-  reader(images);
-  Require(reader.is_at_end() && images.size() == keyframes.size(), ErrorCode::kInvalidInput,
-          "its image points do not fit");
-  for (size_t i = 0; i < keyframes.size(); ++i) SetImagePoints(images[i], keyframes[i]);
-  return keyframes;
-}
 
 std::string EncodeLinks(SessionLoops links) { return Encode(links); }
 SessionLoops DecodeLinks(std::string_view bytes) { return Decode<SessionLoops>(bytes); }

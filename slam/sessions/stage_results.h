@@ -1,11 +1,8 @@
 #pragma once
 
-#include <functional>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "core/files/appended_file.h"
 #include "slam/loops/close_loops.h"
 #include "slam/refinement/drive_residuals.h"
 #include "slam/refinement/refine_drive.h"
@@ -20,13 +17,11 @@ namespace parkade {
 // Error{kInvalidInput} for other bytes.
 
 /// Raised whenever one of the layouts, or what a stage does with the same inputs, changes.
-constexpr int kStageResultsVersion = 8;
+constexpr int kStageResultsVersion = 9;
 
 std::string EncodeAgreement(SensorAgreement agreement);
 SensorAgreement DecodeAgreement(std::string_view bytes);
 
-/// A view that several loops show is there once, and in memory once when it comes back: ends of
-/// loops at one keyframe and camera have the same view, or come back with it.
 std::string EncodeLoops(LoopClosure loops);
 LoopClosure DecodeLoops(std::string_view bytes);
 
@@ -36,24 +31,6 @@ DriveRefinement DecodeRefinement(std::string_view bytes, const Rig& rig);
 
 std::string EncodeResiduals(DriveResiduals residuals);
 DriveResiduals DecodeResiduals(std::string_view bytes);
-
-std::string EncodeKeyframes(const std::vector<RigKeyframe>& keyframes);
-std::vector<RigKeyframe> DecodeKeyframes(std::string_view bytes);
-
-/// Encodes like EncodeKeyframes, in pieces, keyframes that come one by one. Holds one at a time:
-/// floors and where features lie in images come last, and wait on disk.
-class KeyframesEncoder {
- public:
-  /// `num_keyframes` will be added. `sink` gets the bytes in order.
-  KeyframesEncoder(size_t num_keyframes, std::function<void(std::string_view)> sink);
-  void Add(RigKeyframe keyframe);
-  /// Call last: hands on what waited.
-  void Finish();
-
- private:
-  std::function<void(std::string_view)> sink_;
-  AppendedFile floors_, images_;
-};
 
 std::string EncodeLinks(SessionLoops links);
 SessionLoops DecodeLinks(std::string_view bytes);

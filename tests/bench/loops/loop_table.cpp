@@ -165,7 +165,9 @@ std::vector<LoopRun> RunLoops(const SuiteDrive& drive, const TrackedDrive& track
   for (const std::string& method : methods) {
     LoopOptions options = table_options.loops;
     options.method = method;
-    const LoopClosure closure = CloseLoops(calibrated, odometry.odom_from_body, options);
+    KeyframeStore described;
+    const LoopClosure closure =
+        CloseLoops(calibrated, odometry.odom_from_body, options, {}, described);
     LoopRun& run = runs.emplace_back();
     run.drive = drive.name;
     run.scene = drive.scene;

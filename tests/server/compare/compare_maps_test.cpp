@@ -9,7 +9,7 @@
 #include "core/trajectory.h"
 #include "server/map_folder/stage_cache.h"
 #include "server/map_folder/surface_file.h"
-#include "slam/sessions/stage_results.h"
+#include "slam/places/keyframe_bytes.h"
 #include "tests/mapping/worlds/test_surfaces.h"
 #include "tests/server/store/temporary_root.h"
 #include "tests/slam/worlds/drive_world.h"

@@ -85,7 +85,8 @@ TEST(RecognizePlaces, FindsTheVisitBeforeAndNotThoseThatOdometryRulesOut) {
       visit(spot, 100.0 * lap + 10.0 * spot, {10.0 * spot, 0.5 * lap, 0});
   visit(1, 200, {10, 0, 3});
 
-  const std::vector<PlaceCandidate> candidates = RecognizePlaces(keyframes, {.max_candidates = 1});
+  const std::vector<PlaceCandidate> candidates =
+      RecognizePlaces(PlaceWords(keyframes), keyframes, {.max_candidates = 1});
 
   const auto found = [&](size_t earlier, size_t later) {
     return std::any_of(candidates.begin(), candidates.end(), [&](const PlaceCandidate& candidate) {

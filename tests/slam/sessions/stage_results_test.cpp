@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <opencv2/core.hpp>
-
 #include "core/error.h"
 #include "tests/slam/worlds/drive_world.h"
 
@@ -28,38 +26,6 @@ DriveRefinement SomeRefinement() {
   return refinement;
 }
 
-TEST(StageResults, KeyframesComeBackWithEveryBit) {
-  std::vector<RigKeyframe> keyframes = DriveWorld({.floor_seed = 1}).Drive(1).drive.keyframes;
-  keyframes[5].features[9].image_point = {0.25F, 0.75F};
-  keyframes[5].image_times = {Timestamp{3}, Timestamp{4}};
-  const std::string bytes = EncodeKeyframes(keyframes);
-  const std::vector<RigKeyframe> read = DecodeKeyframes(bytes);
-  EXPECT_EQ(cv::norm(read[5].floor, keyframes[5].floor, cv::NORM_INF), 0);
-  ASSERT_EQ(read.size(), keyframes.size());
-  ASSERT_EQ(read[5].features.size(), keyframes[5].features.size());
-  EXPECT_EQ(read[5].features[9].bearing, keyframes[5].features[9].bearing);
-  EXPECT_EQ(read[5].features[9].point, keyframes[5].features[9].point);
-  EXPECT_EQ(read[5].features[9].image_point, keyframes[5].features[9].image_point);
-  EXPECT_EQ(read[5].image_times, keyframes[5].image_times);
-  EXPECT_EQ(read[5].odom_from_keyframe.Matrix(), keyframes[5].odom_from_keyframe.Matrix());
-  EXPECT_EQ(EncodeKeyframes(read), bytes);
-}
-
-// Places of maps that older versions made end before the image points.
-TEST(StageResults, KeyframesOfAnOlderVersionHaveNoImagePoints) {
-  std::vector<RigKeyframe> keyframes = DriveWorld({.floor_seed = 1}).Drive(1).drive.keyframes;
-  const std::string bytes = EncodeKeyframes(keyframes);
-  size_t trailer = sizeof(std::uint64_t);
-  for (const RigKeyframe& keyframe : keyframes)
-    trailer += 2 * sizeof(std::uint64_t) + keyframe.image_times.size() * sizeof(Timestamp) +
-               keyframe.features.size() * sizeof(Eigen::Vector2f);
-  const std::vector<RigKeyframe> read =
-      DecodeKeyframes(std::string_view(bytes).substr(0, bytes.size() - trailer));
-  ASSERT_EQ(read.size(), keyframes.size());
-  EXPECT_EQ(cv::norm(read[5].floor, keyframes[5].floor, cv::NORM_INF), 0);
-  EXPECT_LT(read[5].features[9].image_point.x(), 0);
-}
-
 TEST(StageResults, LinksComeBackWithEveryBit) {
   const DriveWorld world;
   const SessionLoops links =
@@ -79,7 +45,7 @@ TEST(StageResults, LoopsComeBackWithTheirImagesButNotTheirTime) {
   loops.loops[0].id = "3-17";
   loops.loops[0].weight = 0.75;
   loops.loops[0].later_keyframe = 1;
-  loops.loops[0].earlier_view = cv::Mat(4, 5, CV_8UC1, 77);
+  loops.views[{1, 3}] = std::string("no \0 end", 8);
   loops.loops[0].pose.inliers_of_cameras = {{0, 3, 44}};
   loops.loops[0].pose.shown = {0, 3, Timestamp{5}, Timestamp{6}, {{{0.1F, 0.2F}, {0.3F, 0.4F}}}};
   const LoopClosure read = DecodeLoops(EncodeLoops(loops));
@@ -91,33 +57,8 @@ TEST(StageResults, LoopsComeBackWithTheirImagesButNotTheirTime) {
   EXPECT_EQ(read.loops[0].pose.shown.image_b, Timestamp{6});
   ASSERT_EQ(read.loops[0].pose.shown.points.size(), 1u);
   EXPECT_EQ(read.loops[0].pose.shown.points[0].b, Eigen::Vector2f(0.3F, 0.4F));
-  ASSERT_EQ(read.loops[0].earlier_view.size(), cv::Size(5, 4));
-  EXPECT_EQ(read.loops[0].earlier_view.at<std::uint8_t>(3, 4), 77);
-  EXPECT_TRUE(read.loops[0].later_view.empty());
+  EXPECT_EQ(read.views, loops.views);
   EXPECT_EQ(read.odom_from_body.states().size(), loops.odom_from_body.states().size());
-}
-
-TEST(StageResults, AViewThatLoopsShareIsKeptOnce) {
-  LoopClosure loops;
-  loops.loops.resize(3);
-  const cv::Mat view(100, 200, CV_8UC1, 77), other(100, 200, CV_8UC1, 78);
-  for (LoopEvidence& loop : loops.loops) {
-    loop.earlier_keyframe = 4;
-    loop.later_keyframe = 9;
-    loop.earlier_view = view;
-    loop.later_view = other;
-  }
-  loops.loops[1].later_camera = 2;  // which has no view
-  loops.loops[1].later_view = cv::Mat();
-  const std::string bytes = EncodeLoops(loops);
-  EXPECT_LT(bytes.size(), 3u * 100 * 200);
-  EXPECT_FALSE(loops.loops[2].earlier_view.empty()) << "the caller's are as they were";
-
-  const LoopClosure read = DecodeLoops(bytes);
-  EXPECT_EQ(read.loops[2].earlier_view.at<std::uint8_t>(3, 4), 77);
-  EXPECT_EQ(read.loops[2].later_view.at<std::uint8_t>(3, 4), 78);
-  EXPECT_EQ(read.loops[2].later_view.data, read.loops[0].later_view.data);
-  EXPECT_TRUE(read.loops[1].later_view.empty());
 }
 
 TEST(StageResults, ARefinementComesBackOntoItsRig) {
@@ -181,10 +122,10 @@ TEST(StageResults, ResidualsComeBackWithEveryBit) {
 }
 
 TEST(StageResults, WhatIsCutOffIsNoResult) {
-  const std::string bytes = EncodeKeyframes(DriveWorld().Drive(1).drive.keyframes);
+  const std::string bytes = EncodeResiduals({{{Timestamp{3}, 1, 40, 0.001}}, {}});
   for (const size_t length : {size_t{0}, size_t{7}, bytes.size() / 2, bytes.size() - 1})
-    EXPECT_THROW(DecodeKeyframes(std::string_view(bytes).substr(0, length)), Error) << length;
-  EXPECT_THROW(DecodeKeyframes(bytes + "x"), Error);
+    EXPECT_THROW(DecodeResiduals(std::string_view(bytes).substr(0, length)), Error) << length;
+  EXPECT_THROW(DecodeResiduals(bytes + "x"), Error);
 }
 
 }  // namespace

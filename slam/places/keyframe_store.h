@@ -9,12 +9,13 @@
 
 namespace parkade {
 
-/// Described keyframes of a drive in a scratch file, for a later stage.
+/// Described keyframes of a drive in a scratch file, of which a long drive has too many to hold.
 class KeyframeStore {
  public:
   void Add(const RigKeyframe& keyframe);
   bool Has(Timestamp time) const { return places_.count(time) > 0; }
-  /// The keyframe of that time, exactly as it was added.
+  /// The keyframe of that time, exactly as it was added. Several threads may ask at once, while
+  /// none adds.
   std::optional<RigKeyframe> Find(Timestamp time) const;
 
  private:

@@ -1,6 +1,6 @@
-#include "slam/sessions/keyframe_store.h"
+#include "slam/places/keyframe_store.h"
 
-#include "slam/sessions/stage_results.h"
+#include "slam/places/keyframe_bytes.h"
 
 namespace parkade {
 

@@ -1,8 +1,8 @@
-#include "slam/sessions/keyframe_store.h"
+#include "slam/places/keyframe_store.h"
 
 #include <gtest/gtest.h>
 
-#include "slam/sessions/stage_results.h"
+#include "slam/places/keyframe_bytes.h"
 
 namespace parkade {
 namespace {
