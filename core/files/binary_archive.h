@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -136,10 +137,17 @@ void SerializeValue(Archive& archive, std::pair<First, Second>& pair) {
 
 template <typename Archive, typename Key, typename Item>
 void SerializeValue(Archive& archive, std::map<Key, Item>& items) {
-  std::vector<std::pair<Key, Item>> list(items.begin(), items.end());
-  list.resize(archive.Count(list.size()));
-  for (auto& [key, item] : list) archive(key, item);
-  items = std::map<Key, Item>(list.begin(), list.end());
+  const std::uint64_t count = archive.Count(items.size());
+  if constexpr (std::is_same_v<Archive, BinaryWriter>) {
+    for (auto& [key, item] : items) {
+      Key written = key;
+      archive(written, item);
+    }
+  } else {
+    std::vector<std::pair<Key, Item>> list(count);
+    for (auto& [key, item] : list) archive(key, item);
+    items = {std::make_move_iterator(list.begin()), std::make_move_iterator(list.end())};
+  }
 }
 
 template <typename Archive, typename Item, size_t N>

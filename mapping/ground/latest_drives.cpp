@@ -72,7 +72,7 @@ void LatestDrives::FindOldest(const NumViews& num_views, int max_drives) {
   }
 }
 
-/// Those too small to look at any square's middle are all chosen: no square would miss them.
+/// Those too small to look at any square's middle are all chosen: no square counts them.
 void LatestDrives::ChooseViews(const NumViews& num_views) {
   std::map<std::pair<Square, int>, std::uint32_t> targets;  // squares as a drive sees them
   std::vector<int> wanted;

@@ -15,8 +15,8 @@ namespace parkade {
 /// it well, of each of them the nearest. What earlier drives saw would be outweighed anyway, since
 /// evidence is bounded, and so what a site costs is in proportion to its ground and not to the
 /// number of its drives. Asked of squares of 4 m, deck by deck; by where views reach, not by what
-/// they show. A view that looks at the middle of no square in which its drive has a say is left
-/// out.
+/// they show. A view that looks at the middles of squares, but of none in which its drive has a
+/// say, is left out; one too small to look at any is kept.
 class LatestDrives {
  public:
   /// \param views  drive after drive, the latest last; borrowed

@@ -89,10 +89,9 @@ cv::Mat_<cv::Vec4b> ChartPainter::BestRanks(std::span<const GroundImage* const> 
               bottom = std::min((part.row + part.height) / kStepsPerNode + 1, best.rows - 1);
     for (int y = part.row / kStepsPerNode; y <= bottom; ++y)
       for (int x = part.column / kStepsPerNode; x <= right; ++x) {
-        const float steepness =
-            SeeCorner(sight, std::min(x * kStepsPerNode, num_columns_ - 1),
-                      std::min(y * kStepsPerNode, num_rows_ - 1))
-                .steepness;
+        const float steepness = SeeCorner(sight, std::min(x * kStepsPerNode, num_columns_ - 1),
+                                          std::min(y * kStepsPerNode, num_rows_ - 1))
+                                    .steepness;
         if (steepness <= 0) continue;
         std::uint8_t rank = RankOf(steepness);
         for (int i = 0; i < 4; ++i)
@@ -146,14 +145,13 @@ cv::Mat1b ChartPainter::FindWanted(const Part& part, const Eigen::Vector3d& eye)
   const auto num_corners = static_cast<std::size_t>(part.width) + 1;
   std::vector<float> off_x, upper(num_corners), lower(num_corners);
   for (int x = 0; x <= part.width; ++x) off_x.push_back(static_cast<float>(first.x() + x * step));
-  const auto eye_height = static_cast<float>(eye.z());
   cv::Mat1b is_wanted(part.height, part.width);
   for (int y = 0; y <= part.height; ++y) {
     std::swap(upper, lower);
     const auto off_y = static_cast<float>(first.y() - y * step);
     const float* heights = &corner_heights_[BlockAt(part.column, part.row + y)];
     for (std::size_t x = 0; x < num_corners; ++x) {
-      const float above = eye_height - heights[x];
+      const auto above = static_cast<float>(eye.z() - static_cast<double>(heights[x]));
       const float sine = above / std::sqrt(off_x[x] * off_x[x] + off_y * off_y + above * above);
       lower[x] = sine > 0 ? sine : 0;  // nor where no mesh is near
     }

@@ -25,8 +25,10 @@ std::array<float, 3> ColorAround(const cv::Mat& image, const Eigen::Vector2f& pi
   std::array<float, 3> sum{};
   for (int y = -kBlur; y <= kBlur; ++y)
     for (int x = -kBlur; x <= kBlur; ++x) {
-      const std::array<float, 3> color = ColorAt(image, pixel.x() + static_cast<float>(x),
-                                                 pixel.y() + static_cast<float>(y));
+      const std::array<float, 3> color = ColorAt(
+          image,
+          std::clamp(pixel.x() + static_cast<float>(x), 0.0F, static_cast<float>(image.cols - 1)),
+          std::clamp(pixel.y() + static_cast<float>(y), 0.0F, static_cast<float>(image.rows - 1)));
       for (std::size_t c = 0; c < 3; ++c) sum[c] += color[c];
     }
   constexpr float kCount = (2 * kBlur + 1) * (2 * kBlur + 1);

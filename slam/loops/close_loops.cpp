@@ -130,11 +130,12 @@ LoopClosure CloseLoops(const DriveLog& log, const Trajectory& odometry, const Lo
                       words.Add(keyframe);
                       if (is_possible[index++]) described.Add(keyframe);
                     });
-  std::vector<PlaceCandidate> candidates =
-      RecognizePlaces(words, keyframes, options.recognition);
+  std::vector<PlaceCandidate> candidates = RecognizePlaces(words, keyframes, options.recognition);
   words = {};
   reviewed.AddForced(candidates);
-  closure.loops = MeasureLoops(described, keyframes, candidates, options, closure.views);
+  MeasuredLoops measured = MeasureLoops(described, keyframes, candidates, options);
+  closure.loops = std::move(measured.loops);
+  closure.views = std::move(measured.views);
   for (LoopEvidence& loop : closure.loops) reviewed.Judge(loop);
   const std::vector<double> shares = SharesOf(closure.loops, keyframes, options.shared_reach);
   for (size_t i = 0; i < shares.size(); ++i) closure.loops[i].share = shares[i];

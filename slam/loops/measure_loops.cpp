@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 #include <span>
+#include <utility>
 
+#include "core/error.h"
 #include "core/parallel.h"
 #include "slam/baselines/relative_pose_baselines.h"
 #include "slam/places/estimate_rig_pose.h"
@@ -37,9 +41,9 @@ LoadedKeyframes Load(std::span<const PlaceCandidate> candidates,
     else
       missing.emplace_back(index, &keyframe);
   ParallelFor(missing.size(), [&](size_t i) {
-    const RigKeyframe& bare = keyframes[missing[i].first];
-    *missing[i].second =
-        std::make_shared<const RigKeyframe>(described.Find(bare.time).value_or(bare));
+    std::optional<RigKeyframe> found = described.Find(keyframes[missing[i].first].time);
+    Require(found.has_value(), ErrorCode::kInternal, "a loop's keyframe was not described");
+    *missing[i].second = std::make_shared<const RigKeyframe>(std::move(*found));
   });
   return loaded;
 }
@@ -111,27 +115,28 @@ void AddView(const RigKeyframe& keyframe, size_t index, int camera, LoopViews& v
 
 }  // namespace
 
-std::vector<LoopEvidence> MeasureLoops(const KeyframeStore& described,
-                                       const std::vector<RigKeyframe>& keyframes,
-                                       const std::vector<PlaceCandidate>& candidates,
-                                       const LoopOptions& options, LoopViews& views) {
-  std::vector<LoopEvidence> loops;
+MeasuredLoops MeasureLoops(const KeyframeStore& described,
+                           const std::vector<RigKeyframe>& keyframes,
+                           const std::vector<PlaceCandidate>& candidates,
+                           const LoopOptions& options) {
+  MeasuredLoops measured;
   LoadedKeyframes loaded;
   for (size_t begin = 0; begin < candidates.size(); begin += kCandidatesAtOnce) {
-    const std::span part = std::span(candidates).subspan(
-        begin, std::min(kCandidatesAtOnce, candidates.size() - begin));
+    const std::span part =
+        std::span(candidates)
+            .subspan(begin, std::min(kCandidatesAtOnce, candidates.size() - begin));
     loaded = Load(part, keyframes, described, loaded);
-    for (LoopEvidence& loop : ParallelMap(part.size(), [&](size_t i) {
-           return Measure(part[i], *loaded.at(part[i].earlier), *loaded.at(part[i].later), options);
-         }))
-      loops.push_back(std::move(loop));
-    for (size_t i = begin; i < loops.size(); ++i) {
-      const LoopEvidence& loop = loops[i];
-      AddView(*loaded.at(loop.earlier_keyframe), loop.earlier_keyframe, loop.earlier_camera, views);
-      AddView(*loaded.at(loop.later_keyframe), loop.later_keyframe, loop.later_camera, views);
+    std::vector<LoopEvidence> loops = ParallelMap(part.size(), [&](size_t i) {
+      return Measure(part[i], *loaded.at(part[i].earlier), *loaded.at(part[i].later), options);
+    });
+    for (LoopEvidence& loop : loops) {
+      for (const auto& [keyframe, camera] : {std::pair(loop.earlier_keyframe, loop.earlier_camera),
+                                             std::pair(loop.later_keyframe, loop.later_camera)})
+        AddView(*loaded.at(keyframe), keyframe, camera, measured.views);
+      measured.loops.push_back(std::move(loop));
     }
   }
-  return loops;
+  return measured;
 }
 
 }  // namespace parkade

@@ -11,7 +11,9 @@
 namespace parkade {
 
 /// Keyframes as bytes. Little-endian, without a version: whoever keeps them knows what they are.
-/// Exact: what is read equals what was written. Reading throws Error{kInvalidInput} for other bytes.
+/// Exact: what is read equals what was written. Reading throws Error{kInvalidInput} for other
+/// bytes. Maps that older versions made are compared with and joined: new sections go to the end,
+/// and what lacks them stays readable.
 std::string EncodeKeyframes(const std::vector<RigKeyframe>& keyframes);
 std::vector<RigKeyframe> DecodeKeyframes(std::string_view bytes);
 

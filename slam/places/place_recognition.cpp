@@ -145,8 +145,8 @@ std::vector<PlaceCandidate> FindAlikePlaces(const PlaceWords& earlier, const Pla
   const size_t num_earlier = words.size();
   AddWords(later, words);
   const auto is_possible_pair = [&](size_t a, size_t b) { return is_possible(a, b - num_earlier); };
-  std::vector<PlaceCandidate> candidates = FindAlike(
-      WordIndex(std::move(words)), num_earlier, num_earlier, is_possible_pair, max_candidates);
+  std::vector<PlaceCandidate> candidates = FindAlike(WordIndex(std::move(words)), num_earlier,
+                                                     num_earlier, is_possible_pair, max_candidates);
   for (PlaceCandidate& candidate : candidates) candidate.later -= num_earlier;
   return candidates;
 }

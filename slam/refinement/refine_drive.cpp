@@ -203,7 +203,9 @@ DriveRefinement RefineDrive(const OdometryResult& odometry, const Rig& rig,
   result.num_fixes = static_cast<int>(placed.fixes.size());
   adjustment.SetGnss(placed.fixes, placed.site_from_odom);
   adjustment.HoldOutLandmarks(every);
-  PieceOptions pieces{static_cast<size_t>(options.max_nodes), {options.max_iterations}};
+  PieceOptions pieces{static_cast<size_t>(options.max_nodes),
+                      static_cast<size_t>(options.piece_nodes),
+                      {options.max_iterations}};
   result.num_pieces = NumPieces(adjustment.num_nodes(), pieces);
   const auto solve = [&](double least_fall) {
     pieces.limits.least_fall = least_fall;

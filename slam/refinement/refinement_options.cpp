@@ -6,7 +6,8 @@ namespace parkade {
 
 void RefinementOptions::Validate() const {
   Require(bearings_per_image > 0 && min_observations >= 3 && max_iterations > 0 &&
-              max_nodes >= 100 && min_nodes >= 3 && observations_per_track >= min_observations,
+              max_nodes >= 100 && piece_nodes >= 100 && min_nodes >= 3 &&
+              observations_per_track >= min_observations,
           ErrorCode::kUsage,
           "the counts of the refinement must be positive, with at least 3 observations, 100 nodes, "
           "and tracks not thinned "

@@ -14,7 +14,8 @@ struct RefinementOptions {
       2.45;  ///< of the sigma that odometry found, whose estimator weighs bearings alike
   int max_iterations = 10;  ///< of each of the solves: two, and a third where it is taken
   int min_nodes = 100;      ///< fewer: the odometry's window has seen nearly all of them at once
-  int max_nodes = 3000;  ///< adjusted at once, some 0.9 GB; longer drives in pieces (SolveInPieces)
+  int max_nodes = 3000;  ///< adjusted at once, some 0.7 GB; longer drives in pieces (SolveInPieces)
+  int piece_nodes = 2000;       ///< of a piece
   double held_out_share = 0.2;  ///< of tracks and loops, which judge the result before they join it
   double max_imu_growth =
       1.5;  ///< of the IMU's mean squared error, beyond which the result is not taken

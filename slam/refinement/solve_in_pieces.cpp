@@ -144,12 +144,14 @@ void CloseBetweenPieces(DriveAdjustment& adjustment) {
 }  // namespace
 
 int NumPieces(size_t num_nodes, const PieceOptions& options) {
-  return static_cast<int>((num_nodes + options.max_nodes - 1) / options.max_nodes);
+  if (num_nodes <= options.max_nodes) return 1;
+  return static_cast<int>((num_nodes + options.piece_nodes - 1) / options.piece_nodes);
 }
 
 int SolveInPieces(DriveAdjustment& adjustment, const PieceOptions& options) {
-  const size_t count = adjustment.num_nodes(), piece = options.max_nodes;
-  if (count <= piece) return adjustment.Solve({0, count, false, true}, options.limits);
+  const size_t count = adjustment.num_nodes(), piece = options.piece_nodes;
+  if (NumPieces(count, options) == 1)
+    return adjustment.Solve({0, count, false, true}, options.limits);
   int num_steps = 0;
   MeanCalibration calibration;
   for (size_t begin = 0, end = 0; end < count; begin += piece - piece / 4) {

@@ -5,8 +5,10 @@
 namespace parkade {
 
 struct PieceOptions {
-  size_t max_nodes = 3000;  ///< of a piece
-  SolveLimits limits;       ///< of each solve
+  size_t max_nodes = 3000;  ///< of a drive that is solved at once
+  size_t piece_nodes =
+      2000;            ///< of a piece of a longer one: what stays in memory grows with drives
+  SolveLimits limits;  ///< of each solve
 };
 
 int NumPieces(size_t num_nodes, const PieceOptions& options);

@@ -49,14 +49,15 @@ void Serialize(A& archive, DriveResiduals& residuals) {
 }
 template <typename A>
 void Serialize(A& archive, LoopEvidence& loop) {
+  cv::Mat no_view;  // older files have one of either end here
   archive(loop.id, loop.earlier_keyframe, loop.later_keyframe, loop.earlier_camera,
-          loop.later_camera, loop.earlier, loop.later, loop.way, loop.score,
-          loop.pose, loop.earlier_from_camera, loop.later_from_camera, loop.is_forced,
-          loop.share, loop.chi_squared, loop.weight, loop.odometry_disagreement);
+          loop.later_camera, no_view, no_view, loop.earlier, loop.later, loop.way, loop.score,
+          loop.pose, loop.earlier_from_camera, loop.later_from_camera, loop.is_forced, loop.share,
+          loop.chi_squared, loop.weight, loop.odometry_disagreement);
 }
 template <typename A>
 void Serialize(A& archive, LoopClosure& closure) {
-  archive(closure.odom_from_body, closure.loops, closure.views, closure.num_keyframes, closure.num_accepted,
+  archive(closure.odom_from_body, closure.loops, closure.num_keyframes, closure.num_accepted,
           closure.largest_correction);
 }
 template <typename A>
@@ -127,8 +128,20 @@ Result Decode(std::string_view bytes, Result result = {}) {
 std::string EncodeAgreement(SensorAgreement agreement) { return Encode(agreement); }
 SensorAgreement DecodeAgreement(std::string_view bytes) { return Decode<SensorAgreement>(bytes); }
 
-std::string EncodeLoops(LoopClosure loops) { return Encode(loops); }
-LoopClosure DecodeLoops(std::string_view bytes) { return Decode<LoopClosure>(bytes); }
+std::string EncodeLoops(LoopClosure loops) {
+  BinaryWriter writer;
+  writer(loops, loops.views);
+  return std::move(writer).Take();
+}
+
+LoopClosure DecodeLoops(std::string_view bytes) {
+  BinaryReader reader(bytes);
+  LoopClosure loops;
+  reader(loops);
+  if (!reader.is_at_end()) reader(loops.views);
+  Require(reader.is_at_end(), ErrorCode::kInvalidInput, "it is longer than it says");
+  return loops;
+}
 
 std::string EncodeRefinement(DriveRefinement refinement) { return Encode(refinement); }
 DriveRefinement DecodeRefinement(std::string_view bytes, const Rig& rig) {

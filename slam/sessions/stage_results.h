@@ -16,12 +16,14 @@ namespace parkade {
 // equals what was written, except that the seconds of computing are 0. Reading throws
 // Error{kInvalidInput} for other bytes.
 
-/// Raised whenever one of the layouts, or what a stage does with the same inputs, changes.
+/// Raised whenever one of the layouts, that of keyframe_bytes.h among them, or what a stage does
+/// with the same inputs, changes.
 constexpr int kStageResultsVersion = 9;
 
 std::string EncodeAgreement(SensorAgreement agreement);
 SensorAgreement DecodeAgreement(std::string_view bytes);
 
+/// Loops of maps that older versions made come back without views.
 std::string EncodeLoops(LoopClosure loops);
 LoopClosure DecodeLoops(std::string_view bytes);
 

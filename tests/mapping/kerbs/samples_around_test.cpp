@@ -47,11 +47,12 @@ TEST(SamplesAround, VisitsWhatLiesBetweenPlaces) {
       place = middle + 0.2 * Vector2d(coordinate(random), coordinate(random));
 
     // Others are looked at, too.
-    const std::array<GroundArea, 2> areas{
-        places, GroundArea{Vector2d(8, 8), {8, 9}, {9, 9}, {9, 8}}};
+    const std::array<GroundArea, 2> areas{places,
+                                          GroundArea{Vector2d(8, 8), {8, 9}, {9, 9}, {9, 8}}};
     std::multiset<float> visited, expected;
-    SamplesAround(posed, eye, areas)
-        .VisitBehind(places, [&](const Eigen::Vector3f& ray, float) { visited.insert(ray.x()); });
+    SamplesAround(posed, eye, areas).VisitBehind(places, [&](const Eigen::Vector3f& ray, float) {
+      visited.insert(ray.x());
+    });
 
     for (const GroundSample& sample : posed.patch.samples) {
       const Vector3d ray = posed.site_from_body * sample.point_in_body.cast<double>() - eye;

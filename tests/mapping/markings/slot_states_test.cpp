@@ -82,6 +82,26 @@ TEST(SlotStates, ViewsOfAnotherDeckDoNotTakeTheirPlace) {
   EXPECT_EQ(slots[0].states[0], SlotState::kFree);
 }
 
+// The body lies high above the ground on which the car stands, and the ramp under the car goes on
+// through the slot.
+TEST(SlotStates, DecksAreToldByThePlaneUnderTheCar) {
+  constexpr double kBody = 1.6, kSlope = 0.1;
+  const double pitch = std::atan(kSlope);
+  DrivenPath path;
+  path.body_from_ground.translation.z() = -kBody;
+  std::vector<PosedGroundPatch> patches = {PatchOf(0, true, 10, 12.5, 0, 5)};
+  Rigid3& site_from_body = patches[0].site_from_body;
+  site_from_body.rotation = ExpSo3({0, -pitch, 0});
+  site_from_body.translation = site_from_body.rotation * Vector3d(0, 0, kBody);
+  for (GroundSample& sample : patches[0].patch.samples)
+    sample.point_in_body = Eigen::Vector3f(sample.point_in_body.x(), sample.point_in_body.y(),
+                                           static_cast<float>(-kBody));
+  std::vector<ParkingSlot> slots = {SlotAt(10, 11 * kSlope), SlotAt(10, 11 * kSlope - 2.4)};
+  SeeSlots(PatchesInMemory(patches), std::span(&path, 1), 1, slots);
+  EXPECT_EQ(slots[0].states[0], SlotState::kFree);
+  EXPECT_EQ(slots[1].states[0], SlotState::kUnseen);
+}
+
 TEST(SlotStates, OtherDecksDoNotCount) {
   std::vector<ParkingSlot> slots = {SlotAt(0), SlotAt(0, 3)};
   SeeSlots(PatchesInMemory(std::vector{PatchOf(0, true, 0, 2.5, 0, 5, 3)}), {}, 1, slots);

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "tests/slam/worlds/place_world.h"
+#include "tests/slam/worlds/room_log.h"
 
 namespace parkade {
 namespace {
@@ -109,6 +110,33 @@ TEST(FindPossibleRevisits, AStraightDriveHasNone) {
   const std::vector<bool> of_return = FindPossibleRevisits(back, {});
   EXPECT_TRUE(of_return[0] && of_return[100]);
   EXPECT_FALSE(of_return[50]) << "where it turns, it has not driven far enough since";
+}
+
+// Odometry drifts to the left on the second of two laps through a room.
+TEST(CloseLoops, BringsTheSecondLapBackOntoTheFirst) {
+  constexpr int kLap = 70;
+  const RoomLog log(2 * kLap, kLap);
+  std::vector<TrajectoryState> states = log.Truth().states();
+  for (size_t i = kLap; i < states.size(); ++i) states[i].world_from_body.translation.y() += 0.4;
+  const Trajectory odometry(std::move(states));
+  LoopOptions options;
+  options.odometry_translation = 0.05;  // it knows that it drifts
+  KeyframeStore described;
+  const LoopClosure closure =
+      CloseLoops(log, odometry, options, {.rejected = {"2-20"}, .forced = {"0-10"}}, described);
+
+  EXPECT_GT(closure.num_accepted, 5);
+  const TrajectoryState& last = closure.odom_from_body.states().back();
+  EXPECT_LT(last.world_from_body.translation.y(), 0.1);
+  const auto find = [&](const std::string& id) {
+    return std::find_if(closure.loops.begin(), closure.loops.end(),
+                        [&](const LoopEvidence& loop) { return loop.id == id; });
+  };
+  EXPECT_NE(find("0-10"), closure.loops.end()) << "too near for recognition, but a person said so";
+  for (const LoopEvidence& loop : closure.loops) {
+    EXPECT_TRUE(described.Has(loop.earlier) && described.Has(loop.later)) << loop.id;
+    EXPECT_TRUE(closure.views.contains({loop.earlier_keyframe, loop.earlier_camera}));
+  }
 }
 
 TEST(LoopOptions, UnknownMethodsAreRefused) {

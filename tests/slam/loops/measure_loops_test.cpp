@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/error.h"
+#include "slam/baselines/relative_pose_baselines.h"
 #include "slam/places/estimate_rig_pose.h"
 #include "tests/slam/worlds/place_world.h"
 
@@ -10,7 +15,7 @@ namespace {
 
 constexpr size_t kNumVisits = 14;
 
-/// Visits to one spot, half a meter apart.
+/// Visits to one spot, 11 cm apart, of which one camera has images, each with a gray of its own.
 std::vector<RigKeyframe> Visits() {
   std::vector<RigKeyframe> keyframes;
   for (size_t i = 0; i < kNumVisits; ++i) {
@@ -25,8 +30,12 @@ std::vector<RigKeyframe> Visits() {
   return keyframes;
 }
 
+class MeasureLoopsBy : public testing::TestWithParam<std::string> {};
+
 // More candidates than are in memory at once.
-TEST(MeasureLoops, MeasuresAsIfAllKeyframesWereInMemory) {
+TEST_P(MeasureLoopsBy, MeasuresAsIfAllKeyframesWereInMemory) {
+  LoopOptions options;
+  options.method = GetParam();
   const std::vector<RigKeyframe> visits = Visits();
   KeyframeStore described;
   std::vector<RigKeyframe> bare;
@@ -43,15 +52,17 @@ TEST(MeasureLoops, MeasuresAsIfAllKeyframesWereInMemory) {
       candidates.push_back({earlier, later, 0.5});
   ASSERT_GT(candidates.size(), 80u);
 
-  LoopViews views;
-  const std::vector<LoopEvidence> loops = MeasureLoops(described, bare, candidates, {}, views);
+  const auto [loops, views] = MeasureLoops(described, bare, candidates, options);
 
   ASSERT_EQ(loops.size(), candidates.size());
   size_t num_measured = 0;
   for (size_t i = 0; i < loops.size(); ++i) {
-    const RigKeyframe &earlier = visits[candidates[i].earlier], &later = visits[candidates[i].later];
-    const RelativePose expected =
-        EstimateRigPose(earlier, later, MatchKeyframes(earlier, later, {}), {});
+    const RigKeyframe &earlier = visits[candidates[i].earlier],
+                      &later = visits[candidates[i].later];
+    const std::vector<FeatureMatch> matches = MatchKeyframes(earlier, later, {});
+    const RelativePose expected = GetParam() == "rig"
+                                      ? EstimateRigPose(earlier, later, matches, {})
+                                      : EstimatePnpPose(earlier, later, matches, {});
     EXPECT_EQ(loops[i].earlier_keyframe, candidates[i].earlier);
     EXPECT_EQ(loops[i].way, later.distance - earlier.distance);
     EXPECT_EQ(loops[i].pose.rejected, expected.rejected);
@@ -61,20 +72,24 @@ TEST(MeasureLoops, MeasuresAsIfAllKeyframesWereInMemory) {
     for (const auto& [keyframe, camera] :
          {std::pair(loops[i].earlier_keyframe, loops[i].earlier_camera),
           std::pair(loops[i].later_keyframe, loops[i].later_camera)})
-      EXPECT_EQ(views.contains({keyframe, camera}), camera == 0) << "one camera has images";
+      EXPECT_EQ(views.contains({keyframe, camera}), camera == 0);
   }
   EXPECT_GT(num_measured, candidates.size() / 2);
+  ASSERT_FALSE(views.empty());
+  for (const auto& [end, jpeg] : views) {
+    const cv::Mat view =
+        cv::imdecode(std::vector<uchar>(jpeg.begin(), jpeg.end()), cv::IMREAD_GRAYSCALE);
+    ASSERT_EQ(view.size(), cv::Size(60, 40));
+    EXPECT_NEAR(cv::mean(view)[0], 10.0 * static_cast<double>(end.first), 2);
+  }
 }
+INSTANTIATE_TEST_SUITE_P(Methods, MeasureLoopsBy, testing::Values("rig", "pnp"));
 
-TEST(MeasureLoops, KeyframesThatNobodyDescribedAreRejected) {
-  std::vector<RigKeyframe> visits = Visits();
+TEST(MeasureLoops, KeyframesThatNobodyDescribedAreAnError) {
+  const std::vector<RigKeyframe> visits = Visits();
   KeyframeStore described;
   described.Add(visits[0]);
-  for (RigKeyframe& visit : visits) visit.features.clear(), visit.descriptors.release();
-  LoopViews views;
-  const std::vector<LoopEvidence> loops = MeasureLoops(described, visits, {{{0, 1, 0}}}, {}, views);
-  ASSERT_EQ(loops.size(), 1u);
-  EXPECT_FALSE(loops[0].pose.rejected.empty());
+  EXPECT_THROW(MeasureLoops(described, visits, {{{0, 1, 0}}}, {}), Error);
 }
 
 }  // namespace

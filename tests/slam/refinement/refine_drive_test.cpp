@@ -126,8 +126,9 @@ TEST(RefineDrive, PiecesComeOutNearTheWhole) {
   const TrackedDrive& tracked = Tracked();
   const LoopClosure closure = LoopsOf(tracked, 0);
 
-  const DriveRefinement pieces = RefineDrive(tracked.odometry, tracked.drive.rig, closure,
-                                             {.enabled = true, .max_nodes = 100});
+  const DriveRefinement pieces =
+      RefineDrive(tracked.odometry, tracked.drive.rig, closure,
+                  {.enabled = true, .max_nodes = 100, .piece_nodes = 100});
 
   EXPECT_GE(pieces.num_pieces, 2);
   EXPECT_TRUE(pieces.modes.empty());

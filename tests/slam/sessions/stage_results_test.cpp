@@ -61,6 +61,22 @@ TEST(StageResults, LoopsComeBackWithTheirImagesButNotTheirTime) {
   EXPECT_EQ(read.odom_from_body.states().size(), loops.odom_from_body.states().size());
 }
 
+// A preview of a map that an older version made shows its loops.
+TEST(StageResults, LoopsOfAnOlderVersionHaveNoViews) {
+  LoopClosure loops;
+  loops.loops.resize(2);
+  loops.loops[1].id = "3-17";
+  loops.loops[1].odometry_disagreement = 0.5;
+  const std::string bytes = EncodeLoops(loops);
+  const LoopClosure read =
+      DecodeLoops(std::string_view(bytes).substr(0, bytes.size() - sizeof(std::uint64_t)));
+  ASSERT_EQ(read.loops.size(), 2u);
+  EXPECT_EQ(read.loops[1].id, "3-17");
+  EXPECT_EQ(read.loops[1].odometry_disagreement, 0.5);
+  EXPECT_TRUE(read.views.empty());
+  EXPECT_THROW(DecodeLoops(bytes + "x"), Error);
+}
+
 TEST(StageResults, ARefinementComesBackOntoItsRig) {
   const DriveRefinement refinement = SomeRefinement();
   Rig rig;

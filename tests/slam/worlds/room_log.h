@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,7 +17,9 @@ class RoomLog final : public DriveLog {
  public:
   static constexpr double kStep = 0.5;  ///< [m] and [s]
 
-  explicit RoomLog(int num_images) : num_images_(num_images) {
+  /// After so many images the car is back where it began.
+  explicit RoomLog(int num_images, int images_per_lap = std::numeric_limits<int>::max())
+      : num_images_(num_images), images_per_lap_(images_per_lap) {
     RigCamera& camera = rig_.cameras.emplace_back();
     camera.name = name_;
     camera.model = SurroundFisheye().Scaled(0.5);
@@ -38,7 +41,7 @@ class RoomLog final : public DriveLog {
     for (int i = 0; i < num_images_; ++i) {
       TrajectoryState& state = states.emplace_back();
       state.time = TimeOfImage(i);
-      state.world_from_body.translation = {kStep * i, 0, 0};
+      state.world_from_body.translation = PlaceOf(i);
     }
     return Trajectory(std::move(states));
   }
@@ -53,7 +56,7 @@ class RoomLog final : public DriveLog {
       if (log_.num_read_ == log_.num_images_) return std::nullopt;
       const int i = log_.num_read_++;
       Rigid3 room_from_body;
-      room_from_body.translation = {kStep * i, 0, 0};
+      room_from_body.translation = log_.PlaceOf(i);
       const Rigid3 room_from_camera = room_from_body * log_.rig_.cameras[0].body_from_camera;
       return CameraFrame{log_.TimeOfImage(i), 0, log_.camera_.Render(room_from_camera, 1.0, i)};
     }
@@ -64,7 +67,9 @@ class RoomLog final : public DriveLog {
 
   Timestamp TimeOfImage(int i) const { return Timestamp{1'000'000'000} + kStep * i; }
 
-  int num_images_;
+  Eigen::Vector3d PlaceOf(int i) const { return {kStep * (i % images_per_lap_), 0, 0}; }
+
+  int num_images_, images_per_lap_;
   std::string name_ = "cam0";
   Rig rig_;
   RenderedRoom room_{{-5, -2, 0}, {60, 4, 3}, 3};
