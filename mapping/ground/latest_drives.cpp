@@ -76,7 +76,7 @@ void LatestDrives::FindOldest(const NumViews& num_views, int max_drives) {
 void LatestDrives::ChooseViews(const NumViews& num_views) {
   std::map<std::pair<Square, int>, std::uint32_t> targets;  // squares as a drive sees them
   std::vector<int> wanted;
-  std::vector<Sighting> sightings;
+  std::vector<TargetView> target_views;
   std::vector<std::size_t> narrow;
   for (std::size_t i = 0; i < views_.size(); ++i) {
     const int rank = ranks_.at(views_[i].drive);
@@ -91,12 +91,12 @@ void LatestDrives::ChooseViews(const NumViews& num_views) {
         wanted.push_back(NumViewsAfter(num_views.at(square), rank) < kEnoughViews
                              ? kViewsOfLatest
                              : kViewsOfEarlier);
-      sightings.push_back({static_cast<float>((place - middle).norm()),
-                           static_cast<std::uint32_t>(i), target->second});
+      target_views.push_back({static_cast<float>((place - middle).norm()),
+                              static_cast<std::uint32_t>(i), target->second});
     });
     if (is_narrow) narrow.push_back(i);
   }
-  is_chosen_ = ChooseNearest(std::move(sightings), views_.size(), std::move(wanted));
+  is_chosen_ = ChooseNearest(std::move(target_views), views_.size(), std::move(wanted));
   for (const std::size_t i : narrow) is_chosen_[i] = true;
 }
 

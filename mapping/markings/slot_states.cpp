@@ -134,7 +134,7 @@ std::vector<std::size_t> ChooseViews(std::span<const PatchView> views,
   std::vector<Eigen::AlignedBox2d> boxes(slots.size());
   for (std::size_t i = 0; i < slots.size(); ++i)
     for (const Eigen::Vector3d& corner : slots[i].corners) boxes[i].extend(corner.head<2>().eval());
-  std::vector<Sighting> sightings;
+  std::vector<TargetView> target_views;
   for (std::size_t i = 0; i < views.size(); ++i) {
     const auto drive = static_cast<std::size_t>(views[i].drive);
     if (drive >= num_drives) continue;
@@ -147,12 +147,12 @@ std::vector<std::size_t> ChooseViews(std::span<const PatchView> views,
       const double height = HeightOfPlane(site_from_ground, middle);
       if (std::abs(height - slots[slot].corners[0].z()) > kMaxHeightStep) continue;
       const double distance = (views[i].site_from_body.translation.head<2>() - middle).norm();
-      sightings.push_back({static_cast<float>(distance), static_cast<std::uint32_t>(i),
-                           static_cast<std::uint32_t>(drive * slots.size() + slot)});
+      target_views.push_back({static_cast<float>(distance), static_cast<std::uint32_t>(i),
+                              static_cast<std::uint32_t>(drive * slots.size() + slot)});
     }
   }
   const std::vector<bool> is_chosen =
-      ChooseNearest(std::move(sightings), views.size(),
+      ChooseNearest(std::move(target_views), views.size(),
                     std::vector<int>(num_drives * slots.size(), kViewsOfSlot));
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < views.size(); ++i)

@@ -63,9 +63,9 @@ std::optional<Eigen::Vector3d> ChartPainter::CornerAt(int column, int row) const
   return point;
 }
 
-GroundPixel ChartPainter::SeeCorner(const GroundSight& sight, int column, int row) const {
+GroundPixel ChartPainter::SeeCorner(const GroundProjector& projector, int column, int row) const {
   const std::optional<Eigen::Vector3d> point = CornerAt(column, row);
-  return point ? sight.See(*point) : GroundPixel{};
+  return point ? projector.See(*point) : GroundPixel{};
 }
 
 void ChartPainter::BeginDrive(int drive) {
@@ -83,13 +83,13 @@ cv::Mat_<cv::Vec4b> ChartPainter::BestRanks(std::span<const GroundImage* const> 
   const auto num_nodes = [](int num_corners) { return (num_corners - 2) / kStepsPerNode + 2; };
   cv::Mat_<cv::Vec4b> best(num_nodes(num_rows_), num_nodes(num_columns_), cv::Vec4b());
   for (const GroundImage* image : images) {
-    const GroundSight sight(*image, max_range);
+    const GroundProjector projector(*image, max_range);
     const Part part = PartAround(image->site_from_camera.translation, max_range);
     const int right = std::min((part.column + part.width) / kStepsPerNode + 1, best.cols - 1),
               bottom = std::min((part.row + part.height) / kStepsPerNode + 1, best.rows - 1);
     for (int y = part.row / kStepsPerNode; y <= bottom; ++y)
       for (int x = part.column / kStepsPerNode; x <= right; ++x) {
-        const float steepness = SeeCorner(sight, std::min(x * kStepsPerNode, num_columns_ - 1),
+        const float steepness = SeeCorner(projector, std::min(x * kStepsPerNode, num_columns_ - 1),
                                           std::min(y * kStepsPerNode, num_rows_ - 1))
                                     .steepness;
         if (steepness <= 0) continue;
@@ -173,7 +173,7 @@ void ChartPainter::Paint(const GroundImage& image, double max_range) {
   if (part.width <= 0 || part.height <= 0) return;
 
   BeginDrive(image.drive);
-  const GroundSight sight(image, max_range);
+  const GroundProjector projector(image, max_range);
   const cv::Mat1b is_wanted = FindWanted(part, eye);
   cv::Mat1b is_corner_wanted;  // of any of the four blocks around
   cv::copyMakeBorder(is_wanted, is_corner_wanted, 0, 1, 0, 1, cv::BORDER_CONSTANT, 0);
@@ -185,7 +185,7 @@ void ChartPainter::Paint(const GroundImage& image, double max_range) {
       GroundPixel& observation = below[static_cast<std::size_t>(x)];
       observation = {};
       if (is_corner_wanted(y, x) != 0)
-        observation = SeeCorner(sight, part.column + x, part.row + y);
+        observation = SeeCorner(projector, part.column + x, part.row + y);
     }
     if (y == 0) continue;
     for (int x = 0; x < part.width; ++x) {

@@ -53,7 +53,7 @@ class ChartPainter {
   Eigen::Vector2d PlaceOf(double column, double row) const;
   /// [m] in site; nothing where no mesh is near.
   std::optional<Eigen::Vector3d> CornerAt(int column, int row) const;
-  GroundPixel SeeCorner(const GroundSight& sight, int column, int row) const;
+  GroundPixel SeeCorner(const GroundProjector& projector, int column, int row) const;
   /// The index of a block, or of the corner before it.
   std::size_t BlockAt(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(num_columns_) +

@@ -52,7 +52,7 @@ std::vector<bool> ChooseImages(std::span<GroundImage> images,
   std::vector<bool> is_chosen(images.size());
   for (std::size_t i = images.size(); i-- > 0;) {
     GroundImage& image = images[i];
-    const GroundSight sight(image, max_range);
+    const GroundProjector projector(image, max_range);
     const Eigen::Vector3d& eye = image.site_from_camera.translation;
     // What costs least comes first: how steep an observation can be at all, then the projection,
     // then what is in the way.
@@ -66,7 +66,7 @@ std::vector<bool> ChooseImages(std::span<GroundImage> images,
       const Eigen::Vector3d observation = place.point - eye;
       if (!place.Wants(image.drive, static_cast<float>(-observation.z() / observation.norm())))
         return;
-      const float steepness = sight.See(place.point).steepness;
+      const float steepness = projector.See(place.point).steepness;
       if (steepness > 0) shown.emplace_back(&place, steepness);
     });
     if (count_served() < kMinPlaces) continue;

@@ -31,7 +31,7 @@ constexpr float kMaxGain = 3;
 
 }  // namespace
 
-GroundSight::GroundSight(const GroundImage& image, double max_range)
+GroundProjector::GroundProjector(const GroundImage& image, double max_range)
     : image_(&image),
       max_range_(max_range),
       camera_from_site_(image.site_from_camera.Inverse()),
@@ -40,12 +40,13 @@ GroundSight::GroundSight(const GroundImage& image, double max_range)
   if (image.to_sun) to_sun_in_ground_ = ground_from_site_.rotation * *image.to_sun;
 }
 
-std::optional<Eigen::Vector2d> GroundSight::PixelOf(const Eigen::Vector3d& point_in_site) const {
+std::optional<Eigen::Vector2d> GroundProjector::PixelOf(
+    const Eigen::Vector3d& point_in_site) const {
   return PixelOf(point_in_site, ground_from_site_ * point_in_site);
 }
 
-std::optional<Eigen::Vector2d> GroundSight::PixelOf(const Eigen::Vector3d& point_in_site,
-                                                    const Eigen::Vector3d& point_in_ground) const {
+std::optional<Eigen::Vector2d> GroundProjector::PixelOf(
+    const Eigen::Vector3d& point_in_site, const Eigen::Vector3d& point_in_ground) const {
   const double height_of_deck =
       std::min(kDeckHeight, kDeckStep + kSteepest * point_in_ground.head<2>().norm());
   if (std::abs(point_in_ground.z()) > height_of_deck) return {};
@@ -58,7 +59,7 @@ std::optional<Eigen::Vector2d> GroundSight::PixelOf(const Eigen::Vector3d& point
 
 /// What an observation's steepness counts for, as the own car may keep the sun from the point, or
 /// the sky.
-double GroundSight::LitShare(const Eigen::Vector2d& point_in_ground) const {
+double GroundProjector::LitShare(const Eigen::Vector2d& point_in_ground) const {
   const double off = image_->contact.DistanceTo(point_in_ground);
   const double lit =
       kShadePenalty + (1 - kShadePenalty) * std::clamp((off - kOwnShade) / kShadeRim, 0.0, 1.0);
@@ -66,7 +67,7 @@ double GroundSight::LitShare(const Eigen::Vector2d& point_in_ground) const {
   return is_shaded ? kInShade : lit;
 }
 
-GroundPixel GroundSight::See(const Eigen::Vector3d& point_in_site) const {
+GroundPixel GroundProjector::See(const Eigen::Vector3d& point_in_site) const {
   const Eigen::Vector3d& eye = image_->site_from_camera.translation;
   const Eigen::Vector3d observation = point_in_site - eye;
   if (observation.head<2>().squaredNorm() > max_range_ * max_range_ || observation.z() > -0.05)
@@ -81,7 +82,7 @@ GroundPixel GroundSight::See(const Eigen::Vector3d& point_in_site) const {
 
 Eigen::Array3f FindGain(const GroundImage& image, const CellFinder& cells, double max_range) {
   constexpr int kNumAngles = 48, kNumRanges = 12;
-  const GroundSight sight(image, max_range);
+  const GroundProjector projector(image, max_range);
   const Eigen::Vector3d& eye = image.site_from_camera.translation;
   std::array<std::vector<float>, 3> ratios;
   for (int i = 0; i < kNumAngles; ++i)
@@ -93,7 +94,7 @@ Eigen::Array3f FindGain(const GroundImage& image, const CellFinder& cells, doubl
       const SurfaceCell* cell = cells.Find(point);
       if (cell == nullptr) continue;
       point.z() = static_cast<double>(cell->height);
-      const std::optional<Eigen::Vector2d> pixel = sight.PixelOf(point);
+      const std::optional<Eigen::Vector2d> pixel = projector.PixelOf(point);
       if (!pixel) continue;
       const Eigen::Vector2f place = pixel->cast<float>();
       const std::array<float, 3> color = ColorAt(image.image, place.x(), place.y());

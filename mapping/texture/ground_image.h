@@ -38,10 +38,10 @@ struct GroundPixel {
 };
 
 /// How an image sees points. Borrows the image, whose pixels are not needed.
-class GroundSight {
+class GroundProjector {
  public:
   /// \param max_range  [m] horizontally from the camera, beyond which nothing is seen
-  GroundSight(const GroundImage& image, double max_range);
+  GroundProjector(const GroundImage& image, double max_range);
 
   /// Nothing where something stands in the way, or on another deck than the car's: its own floor is
   /// what an image shows there.

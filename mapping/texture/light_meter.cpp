@@ -51,14 +51,14 @@ LightMeter::LightMeter(std::vector<Eigen::Vector3d> places, std::size_t num_imag
 
 std::vector<std::pair<std::size_t, LightObservation>> LightMeter::ObservationsOf(
     const GroundImage& image) const {
-  const GroundSight sight(image, max_range_);
+  const GroundProjector projector(image, max_range_);
   const Eigen::Vector3d& eye = image.site_from_camera.translation;
   std::vector<std::pair<std::size_t, LightObservation>> observations;
   const auto begin = std::partition_point(points_.begin(), points_.end(), [&](const auto& point) {
     return point.x() < eye.x() - max_range_;
   });
   for (auto point = begin; point != points_.end() && point->x() <= eye.x() + max_range_; ++point) {
-    const GroundPixel seen = sight.See(*point);
+    const GroundPixel seen = projector.See(*point);
     if (seen.steepness <= 0) continue;
     const std::array<float, 3> color = ColorAround(image.image, seen.pixel);
     const int luma = Lightness(static_cast<int>(color[0]), static_cast<int>(color[1]),

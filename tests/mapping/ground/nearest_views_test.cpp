@@ -11,7 +11,7 @@ namespace {
 
 TEST(ChooseNearest, TakesTheNearestAndLetsThemCountForAllTheyShow) {
   // View 0 shows both targets, view 1 the first and view 2 the second from farther away.
-  const std::vector<Sighting> views = {{3, 1, 0}, {1, 0, 0}, {2, 0, 1}, {2.5F, 2, 1}};
+  const std::vector<TargetView> views = {{3, 1, 0}, {1, 0, 0}, {2, 0, 1}, {2.5F, 2, 1}};
   EXPECT_EQ(ChooseNearest(views, 3, {1, 1}), (std::vector{true, false, false}));
   EXPECT_EQ(ChooseNearest(views, 3, {2, 1}), (std::vector{true, true, false}));
   EXPECT_EQ(ChooseNearest(views, 3, {1, 2}), (std::vector{true, false, true}));
@@ -25,7 +25,7 @@ TEST(ChooseNearest, GivesEveryTargetWhatItWantsOrAllThereIs) {
   std::vector<float> of_views(kViews), of_targets(kTargets);
   for (float& x : of_views) x = static_cast<float>(place(random));
   for (float& x : of_targets) x = static_cast<float>(place(random));
-  std::vector<Sighting> views;
+  std::vector<TargetView> views;
   std::vector<int> num_showing(kTargets), num_chosen(kTargets);
   for (std::uint32_t view = 0; view < kViews; ++view)
     for (std::uint32_t target = 0; target < kTargets; ++target)
@@ -37,7 +37,7 @@ TEST(ChooseNearest, GivesEveryTargetWhatItWantsOrAllThereIs) {
   const std::vector<bool> is_chosen =
       ChooseNearest(views, kViews, std::vector<int>(kTargets, kWanted));
 
-  for (const Sighting& view : views) num_chosen[view.target] += is_chosen[view.view];
+  for (const TargetView& view : views) num_chosen[view.target] += is_chosen[view.view];
   for (std::uint32_t target = 0; target < kTargets; ++target)
     EXPECT_GE(num_chosen[target], std::min(kWanted, num_showing[target])) << target;
   EXPECT_LT(std::count(is_chosen.begin(), is_chosen.end(), true), kViews * 2 / 3);
