@@ -1,8 +1,8 @@
 #include "slam/loops/close_loops.h"
 
+#include <algorithm>
 #include <chrono>
 
-#include "core/error.h"
 #include "slam/loops/keyframe_graph.h"
 #include "slam/loops/loop_shares.h"
 #include "slam/loops/measure_loops.h"
