@@ -209,8 +209,12 @@ std::vector<ParkingSlot> FindSlots(const MarkedGround& ground, const Paint& pain
   std::vector<SlotCandidate> candidates = MatchLooks(looks);
   std::vector<ParkingSlot> slots;
   slots.reserve(candidates.size());
-  for (const SlotCandidate& candidate : candidates) slots.push_back(candidate.slot);
-  SeeSlots(ground.patches, ground.paths, ground.num_drives, slots);
+  std::vector<KnownStates> known;
+  for (const SlotCandidate& candidate : candidates) {
+    slots.push_back(candidate.slot);
+    known.push_back(candidate.known);
+  }
+  SeeSlots(ground.patches, ground.paths, ground.num_drives, slots, known);
   const std::vector<SlotSides> sides =
       SeeSides(GroundTiles(ground.mesh, ground.surface, ground.texture, kMargin), slots);
   for (std::size_t i = 0; i < slots.size(); ++i) {

@@ -16,10 +16,26 @@ constexpr double kSameSlot = 0.4;       // intersection over union
 constexpr double kMaxShare = 0.25;      // of a slot that another one may cover
 constexpr double kMaxHeightStep = 1.2;  // [m] between slots of one deck
 constexpr double kMaxApart = 12;        // [m] between the middles of slots that overlap
+constexpr double kSameCorner = 0.2;     // [m] by which a slot's corners may move
 constexpr double kSharedSide = 0.5;     // [m] between the middles of neighbors' common side
 constexpr double kDoubt = 0.25;         // of a slot's confidence, that a bare line takes
 constexpr double kAsSure = 0.2;         // of confidence: what differs by less is as sure
 constexpr double kRounded = 0.01;  // of confidence, which files round: seen again it is the same
+
+/// What the look says that drives saw in a slot.
+KnownStates KnownOf(const SlotLook& look, const ParkingSlot& slot) {
+  KnownStates known;
+  for (std::size_t i = 0; i < std::min(slot.states.size(), look.tells_of.size()); ++i)
+    known.push_back(look.tells_of[i] ? std::optional(slot.states[i]) : std::nullopt);
+  return known;
+}
+
+/// Whether what was seen in a slot holds for another outline of it.
+bool IsAsBefore(const ParkingSlot& slot, const ParkingSlot& before) {
+  for (std::size_t i = 0; i < slot.corners.size(); ++i)
+    if ((slot.corners[i] - before.corners[i]).norm() > kSameCorner) return false;
+  return true;
+}
 
 /// A slot from above.
 struct Outline {
@@ -122,7 +138,7 @@ std::vector<SlotCandidate> MatchLooks(std::span<const SlotLook> looks) {
         if (overlap >= best_overlap) best = i, best_overlap = overlap;
       }
       if (!best) {
-        candidates.push_back({slot, look.drive});
+        candidates.push_back({slot, look.drive, {}, KnownOf(look, slot)});
         is_established.push_back(look.establishes);
         continue;
       }
@@ -132,7 +148,10 @@ std::vector<SlotCandidate> MatchLooks(std::span<const SlotLook> looks) {
       const bool is_better =
           look.establishes &&
           (!is_established[*best] || slot.confidence >= same.slot.confidence - kRounded);
-      if (is_better) same.slot = slot;
+      if (is_better) {
+        if (!IsAsBefore(slot, same.slot)) same.known.clear();
+        same.slot = slot;
+      }
       same.slot.id = id;
       if (look.establishes) same.last_drive = std::max(same.last_drive, look.drive);
       is_established[*best] = is_established[*best] || look.establishes;

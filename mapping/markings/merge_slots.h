@@ -5,6 +5,7 @@
 
 #include "core/ground_markings.h"
 #include "mapping/markings/slot_sides.h"
+#include "mapping/markings/slot_states.h"
 
 namespace parkade {
 
@@ -14,13 +15,16 @@ struct SlotLook {
   std::vector<ParkingSlot> slots;
   int drive = -1;  ///< the latest drive that has a say in it: what later ones see may contradict it
   bool establishes = true;  ///< false: it only says what slots are called
+  std::vector<bool> tells_of =
+      {};  ///< by drive: whether its slots' states, where they have any, say what that drive saw
 };
 
 /// A slot that one or more looks found.
 struct SlotCandidate {
-  ParkingSlot slot;      ///< as the surest look has it, by the name of the first that has one
-  int last_drive = -1;   ///< the latest that has a say in it
-  SlotSides sides = {};  ///< what is seen of its lines now
+  ParkingSlot slot;        ///< as the surest look has it, by the name of the first that has one
+  int last_drive = -1;     ///< the latest that has a say in it
+  SlotSides sides = {};    ///< what is seen of its lines now
+  KnownStates known = {};  ///< what drives saw in it, as the first look that found it says
 };
 
 /// The slots of all looks, each once: those that overlap by two fifths or more are the same one.

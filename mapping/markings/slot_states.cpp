@@ -127,10 +127,17 @@ double HeightOfPlane(const Rigid3& site_from_ground, const Eigen::Vector2d& plac
   return site_from_ground.translation.z() - normal.head<2>().dot(away) / normal.z();
 }
 
-/// Views that tell of the slots, some of every drive for each: the nearest ones.
+/// What is known of a slot and a drive.
+std::optional<SlotState> KnownOf(std::span<const KnownStates> known, std::size_t slot,
+                                 std::size_t drive) {
+  return slot < known.size() && drive < known[slot].size() ? known[slot][drive] : std::nullopt;
+}
+
+/// Views that tell what is not known of the slots, some of every drive for each: the nearest ones.
 std::vector<std::size_t> ChooseViews(std::span<const PatchView> views,
                                      std::span<const DrivenPath> paths, std::size_t num_drives,
-                                     const std::vector<ParkingSlot>& slots) {
+                                     const std::vector<ParkingSlot>& slots,
+                                     std::span<const KnownStates> known) {
   std::vector<Eigen::AlignedBox2d> boxes(slots.size());
   for (std::size_t i = 0; i < slots.size(); ++i)
     for (const Eigen::Vector3d& corner : slots[i].corners) boxes[i].extend(corner.head<2>().eval());
@@ -142,6 +149,7 @@ std::vector<std::size_t> ChooseViews(std::span<const PatchView> views,
     const Rigid3 site_from_ground =
         path ? views[i].site_from_body * path->body_from_ground : views[i].site_from_body;
     for (std::size_t slot = 0; slot < slots.size(); ++slot) {
+      if (KnownOf(known, slot, drive)) continue;
       if (views[i].extent.exteriorDistance(boxes[slot]) > kReach) continue;
       const Eigen::Vector2d middle = boxes[slot].center();
       const double height = HeightOfPlane(site_from_ground, middle);
@@ -176,13 +184,14 @@ SlotState StateOf(const Cells& cells) {
 }  // namespace
 
 void SeeSlots(const PatchSource& patches, std::span<const DrivenPath> paths, std::size_t num_drives,
-              std::vector<ParkingSlot>& slots) {
+              std::vector<ParkingSlot>& slots, std::span<const KnownStates> known) {
   const SlotSquares squares(slots);
   std::vector<SlotGrid> grids;
   grids.reserve(slots.size());
   for (const ParkingSlot& slot : slots) grids.emplace_back(slot);
   std::vector<std::vector<Cells>> cells(num_drives, std::vector<Cells>(slots.size(), Cells{}));
-  const std::vector<std::size_t> chosen = ChooseViews(patches.views(), paths, num_drives, slots);
+  const std::vector<std::size_t> chosen =
+      ChooseViews(patches.views(), paths, num_drives, slots, known);
   for (std::size_t begin = 0; begin < chosen.size(); begin += kBatch) {
     const std::span batch =
         std::span(chosen).subspan(begin, std::min(kBatch, chosen.size() - begin));
@@ -197,7 +206,7 @@ void SeeSlots(const PatchSource& patches, std::span<const DrivenPath> paths, std
   for (std::size_t i = 0; i < slots.size(); ++i) {
     slots[i].states.clear();
     for (std::size_t drive = 0; drive < num_drives; ++drive)
-      slots[i].states.push_back(StateOf(cells[drive][i]));
+      slots[i].states.push_back(KnownOf(known, i, drive).value_or(StateOf(cells[drive][i])));
   }
 }
 

@@ -281,6 +281,7 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
   const double apart = 0.7 * cell_size_;  // of places: no cell is missed
   std::optional<Rigid3> stood_from_site;
   std::optional<Eigen::Vector3d> last;
+  PatchFinder patches(*field_);
   for (const TrajectoryState& state : path.site_from_body.states()) {
     if (last && (state.world_from_body.translation - *last).norm() < step) continue;
     last = state.world_from_body.translation;
@@ -299,7 +300,8 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
           continue;
         }
         const Eigen::Vector3d point = site_from_ground * Eigen::Vector3d(x, y, 0);
-        const int patch = field_->FindPatch(point);
+        double height = 0;
+        const int patch = patches.Find(point, height);
         if (patch == HeightField::kNone || !IsPainted(patch)) continue;
         CellEvidence& evidence = evidence_[EvidenceAt(patch, CellAt(point.head<2>()))];
         evidence.is_driven = true;

@@ -9,6 +9,8 @@ namespace parkade {
 namespace {
 
 constexpr double kMaxSpread = 0.5;  // [m] by which an earlier map's ground may be bent since
+constexpr double kSameGround =
+    0.1;  // [m] by which drives may have moved, so that what they saw holds
 constexpr const char* kSlotsFile = "slots.geojson";
 
 Trajectory ImuOf(const SiteDrive& drive) {
@@ -29,6 +31,16 @@ struct EarlierSlots {
   std::vector<bool> is_told = {};  ///< by drive of the new map: the looks say all that it saw
 };
 
+/// What a stored slot's map says that the drives of a new one saw in it; unseen for the others.
+std::vector<SlotState> StatesFor(const SiteMap& map, const StoredSlot& stored) {
+  std::vector<SlotState> states;
+  for (const SiteDrive& drive : map.drives) {
+    const auto found = stored.states.find(drive.name);
+    states.push_back(found == stored.states.end() ? SlotState::kUnseen : found->second);
+  }
+  return states;
+}
+
 EarlierSlots SlotsOf(const MapReader& from, const LogHashes& logs, const SiteMap& map) {
   std::vector<MovedDrive> shared;
   SlotLook standing, names{{}, -1, false};
@@ -46,8 +58,11 @@ EarlierSlots SlotsOf(const MapReader& from, const LogHashes& logs, const SiteMap
         shared.size() == from.drives().size() && carriage->spread < kMaxSpread;
     ParkingSlot slot = Moved(stored.slot, carriage->after_from_before);
     slot.id = stored.id;
+    slot.states =
+        carriage->spread < kSameGround ? StatesFor(map, stored) : std::vector<SlotState>();
     (is_as_it_was ? standing : names).slots.push_back(std::move(slot));
   }
+  standing.tells_of = is_told;
   if (!names.slots.empty()) is_told.assign(is_told.size(), false);
   return {{std::move(standing), std::move(names)}, std::move(is_told)};
 }

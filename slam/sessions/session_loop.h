@@ -16,7 +16,7 @@ struct SessionLoop {
 
 struct SessionLoopOptions {
   int max_candidates = 3;  ///< per keyframe, the most alike keyframes of the other drive
-  int batch = 48;          ///< candidates measured at a time, the most alike first
+  int batch = 24;          ///< candidates measured at a time, the most alike first
   int max_measured = 480;  ///< without a drive that fits: then it does not
   int min_links = 6;       ///< that agree with each other ...
   double min_spread = 6;   ///< [m] ... and lie this far apart

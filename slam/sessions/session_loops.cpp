@@ -6,6 +6,7 @@
 #include "core/parallel.h"
 #include "slam/loops/loop_shares.h"
 #include "slam/places/estimate_rig_pose.h"
+#include "slam/places/guided_matches.h"
 #include "slam/places/widen_keyframe.h"
 #include "slam/sessions/consistent_loops.h"
 
@@ -89,7 +90,8 @@ class DriveLinker {
          begin += static_cast<size_t>(options_.batch)) {
       const size_t end = std::min(begin + static_cast<size_t>(options_.batch), most);
       Measure({candidates.begin() + static_cast<std::ptrdiff_t>(begin),
-               candidates.begin() + static_cast<std::ptrdiff_t>(end)});
+               candidates.begin() + static_cast<std::ptrdiff_t>(end)},
+              {});
       Judge();
     }
     if (!result_.links.empty()) MeasureForetold();
@@ -97,10 +99,12 @@ class DriveLinker {
   }
 
  private:
-  /// Measures candidates and adds the good ones to measured_.
-  void Measure(const std::vector<PlaceCandidate>& candidates) {
+  /// Measures candidates and adds the good ones to measured_. `foretold`: keyframe b of each in
+  /// keyframe a; empty: nothing is known of that.
+  void Measure(const std::vector<PlaceCandidate>& candidates, const std::vector<Rigid3>& foretold) {
     std::vector<SessionLoop> links = ParallelMap(candidates.size(), [&](size_t i) {
-      return MeasureLink(keyframes_a_, keyframes_b_, candidates[i], options_, relative_pose_);
+      return MeasureLink(keyframes_a_, keyframes_b_, candidates[i], options_, relative_pose_,
+                         foretold.empty() ? std::nullopt : std::optional(foretold[i]));
     });
     for (SessionLoop& link : links) {
       tried_.insert({link.keyframe_a, link.keyframe_b});
@@ -158,7 +162,8 @@ class DriveLinker {
   /// well.
   void MeasureForetold() {
     constexpr size_t kNearest = 1;
-    std::vector<PlaceCandidate> foretold;
+    std::vector<PlaceCandidate> places;
+    std::vector<Rigid3> foretold;
     for (size_t b = 0; b < keyframes_b_.size(); b += static_cast<size_t>(options_.neighbors) + 1) {
       const Rigid3 a_from_b = FrameOf(NearestLink(b), keyframes_a_, keyframes_b_);
       const Eigen::Vector3d position = a_from_b * keyframes_b_[b].odom_from_keyframe.translation;
@@ -170,9 +175,13 @@ class DriveLinker {
       }
       std::sort(near.begin(), near.end());
       for (size_t i = 0; i < std::min(near.size(), kNearest); ++i)
-        if (!tried_.contains({near[i].second, b})) foretold.push_back({near[i].second, b, 0});
+        if (!tried_.contains({near[i].second, b})) {
+          places.push_back({near[i].second, b, 0});
+          foretold.push_back(keyframes_a_[near[i].second].odom_from_keyframe.Inverse() * a_from_b *
+                             keyframes_b_[b].odom_from_keyframe);
+        }
     }
-    Measure(foretold);
+    Measure(places, foretold);
     // What was measured from one end must still agree: the same set grows.
     result_.links =
         Choose(measured_, FindConsistentLoops(keyframes_a_, keyframes_b_, measured_, options_));
@@ -203,13 +212,16 @@ class DriveLinker {
 
 SessionLoop MeasureLink(const std::vector<RigKeyframe>& keyframes_a,
                         const std::vector<RigKeyframe>& keyframes_b, const PlaceCandidate& places,
-                        const SessionLoopOptions& options,
-                        const RelativePoseOptions& relative_pose) {
+                        const SessionLoopOptions& options, const RelativePoseOptions& relative_pose,
+                        const std::optional<Rigid3>& foretold) {
   const auto neighbors = static_cast<size_t>(options.neighbors);
   const RigKeyframe a = WidenKeyframe(keyframes_a, places.earlier, neighbors);
   const RigKeyframe b = WidenKeyframe(keyframes_b, places.later, neighbors);
+  const std::vector<FeatureMatch> matches = foretold
+                                                ? FindGuidedMatches(a, b, *foretold, relative_pose)
+                                                : MatchKeyframes(a, b, relative_pose);
   SessionLoop link{places.earlier, places.later, places.score,
-                   EstimateRigPose(a, b, MatchKeyframes(a, b, relative_pose), relative_pose)};
+                   EstimateRigPose(a, b, matches, relative_pose)};
   // Points that several neighbors saw count more than once.
   const double repeats = 2 * options.neighbors + 1;
   link.pose.information /= repeats;

@@ -38,10 +38,13 @@ struct ComparedDrive {
 
 /// Measures keyframe b of one drive in keyframe a of another, each with its neighbors;
 /// `pose.rejected` says why where that cannot be.
+///
+/// \param foretold  keyframe b in keyframe a within decimeters: features are looked for where it
+///                  puts them (FindGuidedMatches); empty: everywhere
 SessionLoop MeasureLink(const std::vector<RigKeyframe>& keyframes_a,
                         const std::vector<RigKeyframe>& keyframes_b, const PlaceCandidate& places,
-                        const SessionLoopOptions& options,
-                        const RelativePoseOptions& relative_pose);
+                        const SessionLoopOptions& options, const RelativePoseOptions& relative_pose,
+                        const std::optional<Rigid3>& foretold = std::nullopt);
 
 /// How alike two drives look, 0 to 1: the mean score of their most alike keyframes; 0 where GNSS
 /// puts them apart. Takes the parameters of MatchSessions and a hundredth of its time.

@@ -53,6 +53,18 @@ TEST(MatchLooks, ASlotReadFromAFileGivesWayToTheSameOneFoundAgain) {
   EXPECT_EQ(all[0].slot.corners[0].x(), 0.0004);
 }
 
+TEST(MatchLooks, WhatDrivesSawInASlotIsKnownUntilItMoves) {
+  SlotLook before{{SlotAt(0, 0.5), SlotAt(10, 0.5), SlotAt(20, 0.9)}, 1, true, {true, false}};
+  for (ParkingSlot& slot : before.slots) slot.states = {SlotState::kOccupied, SlotState::kUnseen};
+  before.slots[2].states.clear();
+  const SlotLook now{{SlotAt(0.1, 0.6), SlotAt(10.4, 0.6), SlotAt(20, 0.5)}, 2};
+  const std::vector<SlotCandidate> all = MatchLooks(std::vector{before, now});
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_EQ(all[0].known, (KnownStates{SlotState::kOccupied, std::nullopt}));
+  EXPECT_TRUE(all[1].known.empty()) << "it lies elsewhere now";
+  EXPECT_TRUE(all[2].known.empty()) << "nothing was said of it";
+}
+
 TEST(MatchLooks, ARowLaidOutAnewIsNotTheOldOne) {
   const SlotLook before{{SlotAt(0, 0.8, "a"), SlotAt(2.5, 0.8, "b")}, 0};
   const SlotLook after{{SlotAt(1.25, 0.8, "c")}, 1};

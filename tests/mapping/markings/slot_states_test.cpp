@@ -45,6 +45,16 @@ TEST(SlotStates, AreWhatEachDriveSaw) {
   EXPECT_EQ(slots[1].states, (std::vector{SlotState::kFree, SlotState::kFree, SlotState::kUnseen}));
 }
 
+TEST(SlotStates, WhatIsKnownIsNotLookedForAgain) {
+  std::vector<ParkingSlot> slots = {SlotAt(0), SlotAt(20)};
+  const std::vector<PosedGroundPatch> patches = {
+      PatchOf(0, true, 0, 5, 0, 5), PatchOf(1, true, 0, 5, 0, 5), PatchOf(1, true, 20, 25, 0, 5)};
+  const std::vector<KnownStates> known = {{SlotState::kOccupied}, {}};
+  SeeSlots(PatchesInMemory(patches), {}, 2, slots, known);
+  EXPECT_EQ(slots[0].states, (std::vector{SlotState::kOccupied, SlotState::kFree}));
+  EXPECT_EQ(slots[1].states, (std::vector{SlotState::kUnseen, SlotState::kFree}));
+}
+
 TEST(SlotStates, WhatStandsBesideTheSlotDoesNotTakeIt) {
   std::vector<ParkingSlot> slots = {SlotAt(0)};
   const std::vector<PosedGroundPatch> patches = {PatchOf(0, true, 0.2, 2.5, 0, 5),

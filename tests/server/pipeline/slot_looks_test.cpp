@@ -41,7 +41,9 @@ class SlotLooksTest : public testing::Test {
       WriteTum(poses, root_.path() / drive / "trajectory.tum");
     }
     WriteFileAtomically(root_.path() / "report.json", report.dump());
-    WriteFileAtomically(SlotsFile(), EncodeSlotsGeoJson({SlotAt(4), SlotAt(36)}, {}, {}, {}));
+    std::vector<ParkingSlot> slots = {SlotAt(4), SlotAt(36)};
+    for (ParkingSlot& slot : slots) slot.states.assign(drives.size(), SlotState::kOccupied);
+    WriteFileAtomically(SlotsFile(), EncodeSlotsGeoJson(slots, drives, {}, {}));
   }
 
   /// What is known of a map of "monday", which lies at `site_from_body` now.
@@ -50,6 +52,7 @@ class SlotLooksTest : public testing::Test {
     scope.from = root_.path();
     const MapOptions options;
     SiteMap map;
+    map.drives.push_back({"today", {}, {}, {}});
     map.drives.push_back({"monday", {}, {}, site_from_body});
     Progress progress(PlanStages(1, false), {});
     return LooksBefore(BuildContext(options, scope), {}, {}, map, progress);
@@ -68,6 +71,14 @@ TEST_F(SlotLooksTest, AnEarlierMapsSlotsMoveWithItsDrive) {
   EXPECT_TRUE(looks[0].establishes);
   EXPECT_EQ(looks[0].slots[1].id, SlotAt(36).id);
   EXPECT_LT((looks[0].slots[1].Center() - kTurned * SlotAt(36).Center()).norm(), 0.001);
+}
+
+TEST_F(SlotLooksTest, WhatADriveSawInThemIsKnownByItsName) {
+  WriteEarlierMap({"monday"});
+  const std::vector<SlotLook> looks = Looks(StraightDrive(40).Transformed(kTurned));
+  EXPECT_EQ(looks[0].tells_of, (std::vector<bool>{false, true}));
+  for (const ParkingSlot& slot : looks[0].slots)
+    EXPECT_EQ(slot.states, (std::vector{SlotState::kUnseen, SlotState::kOccupied}));
 }
 
 TEST_F(SlotLooksTest, WithoutOneOfItsDrivesOnlyTheirNamesCount) {

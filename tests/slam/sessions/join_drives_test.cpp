@@ -31,6 +31,25 @@ TEST(MatchSessions, FindsWhereDrivesPassEachOther) {
   EXPECT_LT(WorstLink(a, b, found.links), 0.15);
 }
 
+TEST(MeasureLink, WhatIsForetoldIsMeasuredAsWell) {
+  const DriveWorld world;
+  const WorldDrive a = world.Drive(1), b = world.Drive(2);
+  for (const size_t i : {4U, 9U, 14U}) {
+    const Rigid3 truth = a.world_from_keyframe[i].Inverse() * b.world_from_keyframe[i];
+    const Rigid3 foretold = truth * Rigid3{Eigen::Quaterniond::Identity(), {0.08, -0.08, 0}};
+    const auto measure = [&](const std::optional<Rigid3>& pose) {
+      return MeasureLink(a.drive.keyframes, b.drive.keyframes, {i, i, 0}, {}, {}, pose).pose;
+    };
+    const RelativePose from_nothing = measure({}), from_there = measure(foretold);
+    EXPECT_EQ(from_there.rejected, "");
+    EXPECT_GE(from_there.num_inliers, from_nothing.num_inliers * 9 / 10);
+    EXPECT_LT((from_there.a_from_b.translation - from_nothing.a_from_b.translation).norm(), 0.01);
+    EXPECT_FALSE(
+        measure(truth * Rigid3{Eigen::Quaterniond::Identity(), {6, 0, 0}}).rejected.empty())
+        << "it is elsewhere";
+  }
+}
+
 TEST(MatchSessions, TheOtherWayAroundIsNoHindrance) {
   const DriveWorld world;
   const WorldDrive a = world.Drive(1), b = world.Drive(2, /*is_opposite=*/true);
