@@ -14,7 +14,7 @@ constexpr double kSquare = 4.0;   // [m]
 constexpr double kDeck = 3.0;     // [m]
 constexpr int kEnoughViews = 24;  // of a square, at least
 // Views of a square that are chosen of a drive: fewer of the latest lose corners that others hide.
-constexpr int kViewsOfLatest = 64, kViewsOfEarlier = 20;
+constexpr int kViewsOfLatest = 64, kViewsOfEarlier = 12;
 
 int Index(double coordinate, double step) {
   return static_cast<int>(std::floor(coordinate / step));
@@ -74,8 +74,8 @@ void LatestDrives::FindOldest(const NumViews& num_views, int max_drives) {
 
 /// Those too small to look at any square's middle are all chosen: no square counts them.
 void LatestDrives::ChooseViews(const NumViews& num_views) {
-  std::map<Target, std::uint32_t> targets;  // of the latest drive
-  std::map<Target, std::vector<float>> earlier;
+  std::map<std::pair<Square, int>, std::uint32_t> targets;  // squares as a drive sees them
+  std::vector<int> wanted;
   std::vector<TargetView> target_views;
   std::vector<std::size_t> narrow;
   for (std::size_t i = 0; i < views_.size(); ++i) {
@@ -85,46 +85,19 @@ void LatestDrives::ChooseViews(const NumViews& num_views) {
     ForEachMiddle(views_[i], [&](const Square& square, const Eigen::Vector2d& middle) {
       is_narrow = false;
       if (!HasSay(rank, square)) return;
-      const auto distance = static_cast<float>((place - middle).norm());
-      if (NumViewsAfter(num_views.at(square), rank) >= kEnoughViews) {
-        earlier[{square, rank}].push_back(distance);
-        return;
-      }
-      const auto target =
-          targets.try_emplace({square, rank}, static_cast<std::uint32_t>(targets.size())).first;
-      target_views.push_back({distance, static_cast<std::uint32_t>(i), target->second});
+      const auto [target, is_new] =
+          targets.try_emplace({square, rank}, static_cast<std::uint32_t>(wanted.size()));
+      if (is_new)
+        wanted.push_back(NumViewsAfter(num_views.at(square), rank) < kEnoughViews
+                             ? kViewsOfLatest
+                             : kViewsOfEarlier);
+      target_views.push_back({static_cast<float>((place - middle).norm()),
+                              static_cast<std::uint32_t>(i), target->second});
     });
     if (is_narrow) narrow.push_back(i);
   }
-  for (auto& [target, distances] : earlier) {
-    const auto last =
-        distances.begin() + std::min<std::ptrdiff_t>(kViewsOfEarlier, std::ssize(distances)) - 1;
-    std::nth_element(distances.begin(), last, distances.end());
-    reach_.emplace(target, *last);
-  }
-  is_chosen_ = ChooseNearest(std::move(target_views), views_.size(),
-                             std::vector<int>(targets.size(), kViewsOfLatest));
+  is_chosen_ = ChooseNearest(std::move(target_views), views_.size(), std::move(wanted));
   for (const std::size_t i : narrow) is_chosen_[i] = true;
-  for (std::size_t i = 0; i < views_.size(); ++i)
-    ForEachMiddle(views_[i], [&](const Square& square, const Eigen::Vector2d& middle) {
-      if (!is_chosen_[i]) is_chosen_[i] = IsNear(i, {square, ranks_.at(views_[i].drive)}, middle);
-    });
-}
-
-/// Whether a view is one of those that count of an earlier drive.
-bool LatestDrives::IsNear(std::size_t index, const Target& target,
-                          const Eigen::Vector2d& middle) const {
-  const auto reach = reach_.find(target);
-  if (reach == reach_.end()) return false;
-  const Eigen::Vector2d place = views_[index].site_from_body.translation.head<2>();
-  return static_cast<float>((place - middle).norm()) <= reach->second;
-}
-
-/// Whether a view that is chosen counts in a square.
-bool LatestDrives::CountsIn(std::size_t index, const Target& target,
-                            const Eigen::Vector2d& middle) const {
-  return HasSay(target.second, target.first) &&
-         (!reach_.contains(target) || IsNear(index, target, middle));
 }
 
 bool LatestDrives::HasSay(int rank, const Square& square) const {
@@ -143,8 +116,8 @@ LatestDrives::Share LatestDrives::ShareOf(std::size_t index) const {
   const int rank = ranks_.at(view.drive);
   for (int y = share.y_; y < share.y_ + share.height_; ++y)
     for (int x = share.x_; x < share.x_ + share.width_; ++x) {
-      const Eigen::Vector2d middle((x + 0.5) * kSquare, (y + 0.5) * kSquare);
-      share.counts_.push_back(CountsIn(index, {SquareOf(view, middle), rank}, middle));
+      share.counts_.push_back(
+          HasSay(rank, SquareOf(view, {(x + 0.5) * kSquare, (y + 0.5) * kSquare})));
       share.num_counting_ += share.counts_.back();
     }
   return share;

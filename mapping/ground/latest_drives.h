@@ -40,7 +40,6 @@ class LatestDrives {
 
  private:
   using Square = std::tuple<int, int, int>;  // deck, y, x
-  using Target = std::pair<Square, int>;     // and rank of the drive that looks at it
   /// By square and rank of the drive.
   using NumViews = std::map<Square, std::map<int, int>>;
 
@@ -50,15 +49,12 @@ class LatestDrives {
   void FindOldest(const NumViews& num_views, int max_drives);
   void ChooseViews(const NumViews& num_views);
   bool HasSay(int rank, const Square& square) const;
-  bool IsNear(std::size_t index, const Target& target, const Eigen::Vector2d& middle) const;
-  bool CountsIn(std::size_t index, const Target& target, const Eigen::Vector2d& middle) const;
 
   std::span<const PatchView> views_;
   std::map<int, int> ranks_;  // of drives, in the order of the views
   std::map<Square, int>
       oldest_;  // rank of the first drive that counts; squares where all count are left out
-  std::map<Target, float> reach_;  // [m] of views that count; of drives that later ones outweigh
-  std::vector<bool> is_chosen_;    // by view
+  std::vector<bool> is_chosen_;  // by view
 };
 
 }  // namespace parkade

@@ -88,6 +88,11 @@ bool MapReader::Holds(const std::string& drive, const std::string& log) const {
   return std::find(drives_.begin(), drives_.end(), drive) != drives_.end() && MayBeOf(drive, log);
 }
 
+bool MapReader::Holds(const std::string& drive, const LogHashes& logs) const {
+  const auto log = logs.find(drive);
+  return Holds(drive, log == logs.end() ? std::string() : log->second);
+}
+
 bool MapReader::MayBeOf(const std::string& drive, const std::string& log) const {
   const std::string own = LogOf(drive);
   return own.empty() || log.empty() || own == log;

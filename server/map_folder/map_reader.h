@@ -44,6 +44,7 @@ class MapReader {
   /// Whether it has a drive of this name, made from the log with this hash where both say from
   /// which.
   bool Holds(const std::string& drive, const std::string& log) const;
+  bool Holds(const std::string& drive, const LogHashes& logs) const;
 
   // Whether a drive of this name, even one that the map left out, may have been made from the log
   // with this hash: only two hashes that differ tell.

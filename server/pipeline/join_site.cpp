@@ -7,6 +7,7 @@
 #include "core/options_json.h"
 #include "server/findings/trajectory_findings.h"
 #include "server/pipeline/drive_stages.h"
+#include "slam/sessions/settled_drives.h"
 #include "slam/sessions/stage_results.h"
 
 namespace parkade {
@@ -135,6 +136,37 @@ LinkReview LinkReviewFor(const BuildContext& context, const std::vector<DriveInW
   return review;
 }
 
+/// The trajectory of a drive of the map to start from, as its body.
+Trajectory BodyIn(const MapReader& from, const DriveInWork& drive) {
+  std::vector<TrajectoryState> states = from.ReadTrajectory(drive.log->name()).states();
+  const Rigid3 imu_from_body = drive.calibrated->rig().body_from_imu.Inverse();
+  for (TrajectoryState& state : states)
+    state.world_from_body = state.world_from_body * imu_from_body;
+  return Trajectory(std::move(states));
+}
+
+/// Where the map to start from has the drives that are to stay as they lie to each other. None
+/// where more is new than further drives, or when it is time to join all anew.
+std::vector<std::optional<Trajectory>> SettledBefore(const BuildContext& context,
+                                                     const std::vector<DriveInWork>& drives) {
+  const BuildScope& scope = context.scope;
+  if (!context.from || !scope.loops.empty() || !scope.links.rejected.empty() ||
+      !scope.links.forced.empty())
+    return {};
+  const size_t num_before = context.from->drives().size();
+  if (num_before >= drives.size() || IsToBeSettled(num_before, drives.size())) return {};
+  std::vector<std::optional<Trajectory>> settled(drives.size());
+  size_t num_settled = 0;
+  for (size_t i = 0; i < drives.size(); ++i) {
+    if (!context.from->Holds(drives[i].log->name(), scope.logs)) continue;
+    if (!drives[i].is_odometry_taken || !drives[i].refinement.is_taken) return {};
+    settled[i] = BodyIn(*context.from, drives[i]);
+    ++num_settled;
+  }
+  if (num_settled != num_before) return {};
+  return settled;
+}
+
 DriveOutcome OutcomeOf(DriveInWork& drive) {
   const OdometryResult& odometry = drive.odometry.value;
   return {drive.index,
@@ -157,8 +189,9 @@ void JoinSite(const BuildContext& context, std::vector<DriveInWork>& drives, Bui
   const PairCache pairs(context, drives);
   for (const DriveInWork& drive : drives) built.names.push_back(drive.log->name());
   built.link_review = LinkReviewFor(context, drives, built.names);
-  built.join = JoinDrives(to_join, options.loops, options.links, pairs.Known(),
-                          ReviewedLinks(built.link_review, built.names));
+  built.join =
+      JoinDrives(to_join, options.loops, options.links, pairs.Known(),
+                 ReviewedLinks(built.link_review, built.names), SettledBefore(context, drives));
   RequireLinks(context.scope.links, built.names, built.join.pairs);
   pairs.Keep(built.join.findings);
 

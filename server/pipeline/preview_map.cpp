@@ -23,11 +23,6 @@ namespace {
 constexpr double kInterval = 0.2;              // [s] between poses that are compared
 constexpr size_t kMaxBytes = size_t{4} << 30;  // of a .glb
 
-bool Holds(const MapReader& old_map, const std::string& drive, const LogHashes& logs) {
-  const auto log = logs.find(drive);
-  return old_map.Holds(drive, log == logs.end() ? "" : log->second);
-}
-
 /// Where the drive's poses were and are, in order of time.
 void AddKeyframes(const std::vector<TimedPose>& old_poses, const SiteDrive& drive,
                   std::vector<MovedKeyframe>& keyframes) {
@@ -132,7 +127,7 @@ std::string EncodePreview(const std::filesystem::path& from, const LogHashes& lo
   std::vector<MovedKeyframe> keyframes;
   std::set<std::string> drives;
   for (const SiteDrive& drive : site.drives) {
-    if (!Holds(old_map, drive.name, logs)) continue;
+    if (!old_map.Holds(drive.name, logs)) continue;
     drives.insert(drive.name);
     AddKeyframes(ReadTum(old_map.FileOfDrive(drive.name, "trajectory.tum")), drive, keyframes);
   }
@@ -149,7 +144,7 @@ std::optional<std::string> EncodeJointPreview(const std::filesystem::path& from,
   std::vector<RevisitedDrive> revisited;
   std::vector<std::string> names;
   for (const ClosedDrive& drive : drives) {
-    if (!Holds(old_map, drive.name, logs)) continue;
+    if (!old_map.Holds(drive.name, logs)) continue;
     if (!drive.is_odometry_taken) return std::nullopt;
     names.push_back(drive.name);
     revisited.push_back({*drive.odometry, OldLoops(old_map, drive.name), *drive.loops,

@@ -20,11 +20,6 @@ Trajectory ImuOf(const SiteDrive& drive) {
   return Trajectory(std::move(states));
 }
 
-bool IsIn(const MapReader& from, const LogHashes& logs, const std::string& drive) {
-  const auto log = logs.find(drive);
-  return from.Holds(drive, log == logs.end() ? "" : log->second);
-}
-
 /// What the map to start from says of slots.
 struct EarlierSlots {
   std::vector<SlotLook> looks;     ///< slots that count, and slots of which only the names do
@@ -46,7 +41,7 @@ EarlierSlots SlotsOf(const MapReader& from, const LogHashes& logs, const SiteMap
   SlotLook standing, names{{}, -1, false};
   std::vector<bool> is_told;
   for (const SiteDrive& drive : map.drives) {
-    is_told.push_back(IsIn(from, logs, drive.name));
+    is_told.push_back(from.Holds(drive.name, logs));
     if (!is_told.back()) continue;
     shared.push_back({from.ReadTrajectory(drive.name), ImuOf(drive)});
     standing.drive = static_cast<int>(is_told.size()) - 1;

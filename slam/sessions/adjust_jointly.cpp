@@ -26,6 +26,7 @@ struct BentDrive {
   std::array<double, kFrameSize> frame{};
   std::vector<double> bends;             ///< amounts of its modes, then of its mounts
   std::vector<PerturbedPose> keyframes;  ///< moved by frame and bends
+  bool is_settled = false;               ///< its frame stays
 
   int num_bends() const { return static_cast<int>(bends.size()); }
 
@@ -57,22 +58,38 @@ std::array<double, kFrameSize> FrameOf(const std::vector<RigKeyframe>& keyframes
   return {yaw, shift.x(), shift.y(), shift.z()};
 }
 
+/// A pose with some modes, which are left zero, and those of its drive's mounts.
+PerturbedPose WithMounts(const Rigid3& pose, Eigen::Index num_modes, const LoopOptions& loops) {
+  const Eigen::Matrix3d turn = pose.rotation.toRotationMatrix();
+  const double rotation = loops.relative_pose.mount_rotation_deg * M_PI / 180;
+  PerturbedPose perturbed{pose, Eigen::MatrixXd::Zero(6, num_modes + kNumMount)};
+  perturbed.modes.topRightCorner(3, kNumMount).leftCols<3>() = rotation * turn;
+  perturbed.modes.bottomRightCorner<3, 3>() = loops.relative_pose.mount_translation * turn;
+  return perturbed;
+}
+
 BentDrive MakeBent(const DriveToJoin& drive, const LoopOptions& loops,
                    const std::vector<Rigid3>& group_from_keyframe) {
   const CovarianceModes modes = drive.modes.empty() ? RandomWalkModes(drive, loops) : drive.modes;
-  const double mount_rotation = loops.relative_pose.mount_rotation_deg * M_PI / 180;
   BentDrive bent;
   bent.frame = FrameOf(drive.keyframes, group_from_keyframe);
   bent.bends.resize(static_cast<size_t>(modes.size() + kNumMount));
   for (const RigKeyframe& keyframe : drive.keyframes) {
-    const Eigen::Matrix3d turn = keyframe.odom_from_keyframe.rotation.toRotationMatrix();
-    PerturbedPose& pose = bent.keyframes.emplace_back(PerturbedPose{
-        keyframe.odom_from_keyframe, Eigen::MatrixXd::Zero(6, modes.size() + kNumMount)});
+    PerturbedPose& pose =
+        bent.keyframes.emplace_back(WithMounts(keyframe.odom_from_keyframe, modes.size(), loops));
     pose.modes.leftCols(modes.size()) = modes.At(keyframe.time);
-    pose.modes.topRightCorner(3, kNumMount).leftCols<3>() = mount_rotation * turn;
-    pose.modes.bottomRightCorner<3, 3>() = loops.relative_pose.mount_translation * turn;
   }
   return bent;
+}
+
+/// A drive that stays where it is, but for its mounts.
+BentDrive MakeSettled(const std::vector<Rigid3>& site_from_keyframe, const LoopOptions& loops) {
+  BentDrive settled;
+  settled.is_settled = true;
+  settled.bends.resize(kNumMount);
+  for (const Rigid3& pose : site_from_keyframe)
+    settled.keyframes.push_back(WithMounts(pose, 0, loops));
+  return settled;
 }
 
 /// Median squared error of the links that count [sigma^2].
@@ -97,11 +114,9 @@ class JointProblem {
   JointProblem(const std::vector<DriveToJoin>& drives, const LoopOptions& loops)
       : drives_(drives), loops_(loops) {}
 
-  /// The first drive's frame stays.
-  void AddDrive(BentDrive& drive) {
-    const bool is_first = problem_.NumParameterBlocks() == 0;
+  void AddDrive(BentDrive& drive, bool has_fixed_frame) {
     problem_.AddParameterBlock(drive.frame.data(), kFrameSize);
-    if (is_first) problem_.SetParameterBlockConstant(drive.frame.data());
+    if (has_fixed_frame) problem_.SetParameterBlockConstant(drive.frame.data());
     const int size = drive.num_bends();
     problem_.AddResidualBlock(
         new ceres::NormalPrior(ceres::Matrix::Identity(size, size), ceres::Vector::Zero(size)),
@@ -160,15 +175,18 @@ class JointProblem {
 }  // namespace
 
 JointAdjustment AdjustJointly(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
-                              const std::vector<DrivePair*>& pairs,
+                              const SettledDrives& settled, const std::vector<DrivePair*>& pairs,
                               std::vector<std::vector<Rigid3>>& group_from_keyframe) {
   const auto start = std::chrono::steady_clock::now();
   std::vector<std::optional<BentDrive>> bent(drives.size());
   JointProblem problem(drives, loops);
+  bool is_first = true;
   for (size_t i = 0; i < drives.size(); ++i) {
     if (group_from_keyframe[i].empty()) continue;
-    bent[i] = MakeBent(drives[i], loops, group_from_keyframe[i]);
-    problem.AddDrive(*bent[i]);
+    bent[i] = settled.Holds(i) ? MakeSettled(settled.PosesOf(i), loops)
+                               : MakeBent(drives[i], loops, group_from_keyframe[i]);
+    problem.AddDrive(*bent[i], settled.Holds(i) || (settled.empty() && is_first));
+    is_first = false;
   }
   for (DrivePair* pair : pairs) problem.AddLinks(*pair, *bent[pair->drive_a], *bent[pair->drive_b]);
   JointAdjustment result;
@@ -177,7 +195,7 @@ JointAdjustment AdjustJointly(const std::vector<DriveToJoin>& drives, const Loop
   if (problem.Solve()) {
     result.after = Median(SquaredErrorsOf(pairs));
     for (size_t i = 0; i < drives.size(); ++i) {
-      if (!bent[i]) continue;
+      if (!bent[i] || bent[i]->is_settled) continue;
       const std::vector<Rigid3> moved = bent[i]->WithoutMounts();
       for (size_t k = 0; k < moved.size(); ++k)
         result.largest_correction =

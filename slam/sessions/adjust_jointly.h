@@ -4,6 +4,7 @@
 
 #include "core/rigid3.h"
 #include "slam/sessions/drive_to_join.h"
+#include "slam/sessions/settled_drives.h"
 
 namespace parkade {
 
@@ -20,7 +21,8 @@ struct JointAdjustment {
 /// RelativePoseOptions); the measurements are the links between drives. Modes are principal
 /// components of what a drive's own refinement left open (CovarianceModes), so that this is the
 /// bundle adjustment of all drives together, linear around the solution of each, with some dozens
-/// of unknowns per drive; images are not looked at again. The frame of the first drive stays.
+/// of unknowns per drive; images are not looked at again. The frame of the first drive stays. Of
+/// settled drives the mounts alone are unknown.
 ///
 /// Links are weighed with a Cauchy loss and share what they know (SharesOf). Mounts that are off
 /// move all links of a drive alike, one way where two cars head the same way, the other way where
@@ -32,7 +34,7 @@ struct JointAdjustment {
 /// graph has them; moved. Empty where the
 ///     drive is not of the group
 JointAdjustment AdjustJointly(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
-                              const std::vector<DrivePair*>& pairs,
+                              const SettledDrives& settled, const std::vector<DrivePair*>& pairs,
                               std::vector<std::vector<Rigid3>>& group_from_keyframe);
 
 }  // namespace parkade

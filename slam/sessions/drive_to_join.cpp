@@ -9,6 +9,14 @@ int DrivePair::num_accepted() const {
       std::count_if(weights.begin(), weights.end(), [](double weight) { return weight > 0.5; }));
 }
 
+double SquaredErrorOf(const SessionLoop& link, const Rigid3& frame_from_a,
+                      const Rigid3& frame_from_b) {
+  PoseGraphEdge measured;
+  measured.from_from_to = link.pose.a_from_b;
+  const Vector6d error = RelativePoseError(measured, frame_from_a, frame_from_b);
+  return error.dot(link.pose.information * error);
+}
+
 void AddClosedLoops(const DriveToJoin& drive, size_t first_vertex, PoseGraph& graph) {
   const std::vector<RigKeyframe>& keyframes = drive.keyframes;
   for (const LoopEvidence& loop : drive.loops.loops) {

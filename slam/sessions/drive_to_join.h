@@ -53,6 +53,10 @@ struct PairFindings {
   std::map<PairOfDrives, SessionLoops> loops;   ///< MatchSessions
 };
 
+/// [sigma^2] of a link between keyframes that lie at these poses in one frame.
+double SquaredErrorOf(const SessionLoop& link, const Rigid3& frame_from_a,
+                      const Rigid3& frame_from_b);
+
 /// The loops of a drive that were believed, between its keyframes as they are: its final trajectory
 /// has them closed, so that they only hold it together as firmly as they were measured. Edges
 /// between vertices from `first_vertex` on.

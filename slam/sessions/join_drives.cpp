@@ -21,12 +21,18 @@ size_t StartLink(const DrivePair& pair) {
                                         : pair.found.links.size() / 2;
 }
 
-/// Where the drives' odometry frames lie in that of the group's first drive, link by link. Empty
-/// for other drives.
+/// Where the drives' odometry frames lie in that of the group's first drive, link by link; in that
+/// of the settled drives if these are of the group. Empty for other drives.
 std::vector<std::optional<Rigid3>> StartFrames(const std::vector<DriveToJoin>& drives,
-                                               const std::vector<DrivePair>& pairs, size_t group) {
+                                               const std::vector<size_t>& groups, size_t group,
+                                               const SettledDrives& settled,
+                                               const std::vector<DrivePair>& pairs) {
   std::vector<std::optional<Rigid3>> group_from_odom(drives.size());
-  group_from_odom[group].emplace();
+  for (size_t i = 0; i < drives.size(); ++i)
+    if (groups[i] == group && settled.Holds(i))
+      group_from_odom[i] =
+          settled.PosesOf(i).front() * drives[i].keyframes.front().odom_from_keyframe.Inverse();
+  if (settled.empty() || groups[settled.first()] != group) group_from_odom[group].emplace();
   for (bool is_changed = true; is_changed;) {
     is_changed = false;
     for (const DrivePair& pair : pairs) {
@@ -73,35 +79,34 @@ size_t ChooseGroup(const std::vector<DriveToJoin>& drives, const std::vector<siz
   return static_cast<size_t>(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
 }
 
-/// All keyframes of a group of drives as one graph, held by the first keyframe of its first drive.
+/// All keyframes of some drives of a group as one graph, held by settled ones, else by the first
+/// keyframe of its first drive.
 class JointGraph {
  public:
   JointGraph(const std::vector<DriveToJoin>& drives,
-             const std::vector<std::optional<Rigid3>>& group_from_odom, const LoopOptions& options)
+             const std::vector<std::optional<Rigid3>>& group_from_odom,
+             const SettledDrives& settled, const LoopOptions& options)
       : graph_(WorldGraph()), first_vertex_(drives.size()) {
     for (size_t i = 0; i < drives.size(); ++i) {
       if (!group_from_odom[i]) continue;
-      std::vector<Rigid3> poses;
-      for (const RigKeyframe& keyframe : drives[i].keyframes)
-        poses.push_back(*group_from_odom[i] * keyframe.odom_from_keyframe);
+      const bool is_settled = settled.Holds(i);
+      std::vector<Rigid3> poses = is_settled ? settled.PosesOf(i) : std::vector<Rigid3>();
+      for (size_t k = poses.size(); k < drives[i].keyframes.size(); ++k)
+        poses.push_back(*group_from_odom[i] * drives[i].keyframes[k].odom_from_keyframe);
       first_vertex_[i] = AddKeyframes(drives[i].keyframes, poses, options,
                                       kIdsPerDrive * static_cast<std::int64_t>(i), graph_);
-      AddClosedLoops(drives[i], first_vertex_[i], graph_);
+      if (is_settled)
+        Fix(first_vertex_[i]);
+      else
+        AddClosedLoops(drives[i], first_vertex_[i], graph_);
     }
-    graph_.vertices[1].is_fixed = true;
+    if (settled_vertices_.empty()) graph_.vertices[1].is_fixed = true;
   }
 
   void AddLinks(const DrivePair& pair) {
     first_link_.push_back(graph_.edges.size());
     for (size_t i = 0; i < pair.found.links.size(); ++i)
       graph_.edges.push_back(EdgeOf(pair, pair.found.links[i], pair.IsForced(i)));
-  }
-
-  /// How far the links that a reviewer rejected are from what all others say.
-  void MeasureRejected(DrivePair& pair) const {
-    for (RejectedLink& rejected : pair.rejected)
-      rejected.chi_squared = SquaredError(graph_, EdgeOf(pair, rejected.link, false),
-                                          PoseGraphObjective::kInformation);
   }
 
   /// Sets the weights of the pairs in the order in which their links were added.
@@ -126,6 +131,19 @@ class JointGraph {
   }
 
  private:
+  /// Holds all vertices from `first` on, to each other and to those that were held before.
+  void Fix(size_t first) {
+    for (size_t i = first; i < graph_.vertices.size(); ++i) graph_.vertices[i].is_fixed = true;
+    if (!settled_vertices_.empty()) {
+      const size_t other = settled_vertices_.back();
+      graph_.edges.push_back({other, first,
+                              graph_.vertices[other].world_from_vertex.Inverse() *
+                                  graph_.vertices[first].world_from_vertex,
+                              Matrix6d::Identity(), true});
+    }
+    settled_vertices_.push_back(first);
+  }
+
   PoseGraphEdge EdgeOf(const DrivePair& pair, const SessionLoop& link, bool is_trusted) const {
     return {first_vertex_[pair.drive_a] + link.keyframe_a,
             first_vertex_[pair.drive_b] + link.keyframe_b, link.pose.a_from_b,
@@ -133,46 +151,89 @@ class JointGraph {
   }
 
   PoseGraph graph_;
-  std::vector<size_t> first_vertex_;  ///< per drive
-  std::vector<size_t> first_link_;    ///< per pair: its first edge
+  std::vector<size_t> first_vertex_;      ///< per drive
+  std::vector<size_t> first_link_;        ///< per pair: its first edge
+  std::vector<size_t> settled_vertices_;  ///< the first of each settled drive
 };
+
+/// Pairs of a group whose links have a say in where drives lie: one of the two is not settled.
+std::vector<DrivePair*> OpenPairs(const std::vector<size_t>& groups, size_t group,
+                                  const SettledDrives& settled, std::vector<DrivePair>& pairs) {
+  std::vector<DrivePair*> open;
+  for (DrivePair& pair : pairs)
+    if (groups[pair.drive_a] == group && pair.num_accepted() > 0 && !settled.HoldBoth(pair))
+      open.push_back(&pair);
+  return open;
+}
+
+/// Which drives of a group take part in solving it: all that are not settled, and what these are
+/// linked with.
+std::vector<bool> FindTakingPart(const std::vector<size_t>& groups, size_t group,
+                                 const SettledDrives& settled,
+                                 const std::vector<DrivePair*>& open) {
+  std::vector<bool> take_part(groups.size());
+  for (size_t i = 0; i < groups.size(); ++i) take_part[i] = groups[i] == group && !settled.Holds(i);
+  for (const DrivePair* pair : open) take_part[pair->drive_a] = take_part[pair->drive_b] = true;
+  return take_part;
+}
 
 /// Poses of the keyframes of the group's drives in the frame of its first one; weighs the links
 /// between them.
 void SolveGroup(const std::vector<DriveToJoin>& drives, const std::vector<size_t>& groups,
-                size_t group, const LoopOptions& loops, std::vector<DrivePair>& pairs,
-                std::vector<std::vector<Rigid3>>& poses) {
-  const std::vector<std::optional<Rigid3>> frames = StartFrames(drives, pairs, group);
-  JointGraph graph(drives, frames, loops);
-  std::vector<DrivePair*> used;
-  for (DrivePair& pair : pairs) {
-    if (groups[pair.drive_a] != group || pair.num_accepted() == 0) continue;
-    graph.AddLinks(pair);
-    used.push_back(&pair);
-  }
-  if (!used.empty()) graph.Solve(used);
-  for (DrivePair& pair : pairs)
-    if (frames[pair.drive_a] && frames[pair.drive_b]) graph.MeasureRejected(pair);
+                size_t group, const LoopOptions& loops, const SettledDrives& settled,
+                std::vector<DrivePair>& pairs, std::vector<std::vector<Rigid3>>& poses) {
+  const std::vector<DrivePair*> open = OpenPairs(groups, group, settled, pairs);
+  const std::vector<bool> take_part = FindTakingPart(groups, group, settled, open);
+  std::vector<std::optional<Rigid3>> frames = StartFrames(drives, groups, group, settled, pairs);
   for (size_t i = 0; i < drives.size(); ++i)
-    if (frames[i]) poses[i] = graph.Poses(i, drives[i].keyframes.size());
+    if (!take_part[i]) frames[i].reset();
+  for (size_t i = 0; i < drives.size(); ++i)
+    if (groups[i] == group && settled.Holds(i)) poses[i] = settled.PosesOf(i);
+  if (std::find(take_part.begin(), take_part.end(), true) != take_part.end()) {
+    JointGraph graph(drives, frames, settled, loops);
+    for (const DrivePair* pair : open) graph.AddLinks(*pair);
+    if (!open.empty()) graph.Solve(open);
+    for (size_t i = 0; i < drives.size(); ++i)
+      if (frames[i] && !settled.Holds(i)) poses[i] = graph.Poses(i, drives[i].keyframes.size());
+  }
+  // How far the links that a reviewer rejected are from what all others say.
+  for (DrivePair& pair : pairs) {
+    if (groups[pair.drive_a] != group || groups[pair.drive_b] != group) continue;
+    for (RejectedLink& rejected : pair.rejected)
+      rejected.chi_squared =
+          SquaredErrorOf(rejected.link, poses[pair.drive_a][rejected.link.keyframe_a],
+                         poses[pair.drive_b][rejected.link.keyframe_b]);
+  }
 }
 
 /// All drives of a group at once.
 JointAdjustment RefineGroup(const std::vector<DriveToJoin>& drives,
                             const std::vector<size_t>& groups, size_t group,
-                            const LoopOptions& loops, std::vector<DrivePair>& pairs,
+                            const LoopOptions& loops, const SettledDrives& settled,
+                            std::vector<DrivePair>& pairs,
                             std::vector<std::vector<Rigid3>>& poses) {
-  std::vector<DrivePair*> used;
-  for (DrivePair& pair : pairs)
-    if (groups[pair.drive_a] == group && pair.num_accepted() > 0) used.push_back(&pair);
-  if (used.empty()) return {};
+  const std::vector<DrivePair*> open = OpenPairs(groups, group, settled, pairs);
+  if (open.empty()) return {};
+  const std::vector<bool> take_part = FindTakingPart(groups, group, settled, open);
   std::vector<std::vector<Rigid3>> group_from_keyframe(drives.size());
   for (size_t i = 0; i < drives.size(); ++i)
-    if (groups[i] == group) group_from_keyframe[i] = poses[i];
-  const JointAdjustment adjustment = AdjustJointly(drives, loops, used, group_from_keyframe);
+    if (take_part[i]) group_from_keyframe[i] = poses[i];
+  const JointAdjustment adjustment =
+      AdjustJointly(drives, loops, settled, open, group_from_keyframe);
   for (size_t i = 0; i < drives.size(); ++i)
-    if (groups[i] == group) poses[i] = std::move(group_from_keyframe[i]);
+    if (take_part[i]) poses[i] = std::move(group_from_keyframe[i]);
   return adjustment;
+}
+
+/// None where their links do not hold them together: then all are joined anew.
+SettledDrives SettledOf(const std::vector<DriveToJoin>& drives,
+                        const std::vector<std::optional<Trajectory>>& site_from_body,
+                        std::vector<DrivePair>& pairs) {
+  SettledDrives settled(drives, site_from_body);
+  std::vector<DrivePair> weighed = pairs;
+  if (settled.empty() || !settled.Weigh(weighed)) return {};
+  pairs = std::move(weighed);
+  return settled;
 }
 
 /// Moves the groups that have GNSS to where it puts them, which makes them one group. Returns the
@@ -233,7 +294,8 @@ std::vector<RigKeyframe> KeyframesAlong(const Trajectory& odometry,
 
 DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
                      const SessionLoopOptions& links, const PairFindings& known,
-                     const ReviewedLinks& reviewed) {
+                     const ReviewedLinks& reviewed,
+                     const std::vector<std::optional<Trajectory>>& settled_before) {
   links.Validate();
   const auto start = std::chrono::steady_clock::now();
   DriveJoin join;
@@ -249,18 +311,21 @@ DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& 
   for (DrivePair& pair : join.pairs) reviewed.Judge(pair);
   AddForcedLinks(reviewed, drives, loops, links, join.pairs);
 
+  const SettledDrives settled = SettledOf(drives, settled_before, join.pairs);
+
   // Links that the joint graph rejects may leave drives apart that seemed to hang together.
   std::vector<size_t> groups = FindGroups(drives.size(), join.pairs), before;
   std::vector<std::vector<Rigid3>> poses(drives.size());
   while (groups != before) {
     for (size_t i = 0; i < drives.size(); ++i)
-      if (groups[i] == i) SolveGroup(drives, groups, i, loops, join.pairs, poses);
+      if (groups[i] == i) SolveGroup(drives, groups, i, loops, settled, join.pairs, poses);
     before = groups;
     groups = FindGroups(drives.size(), join.pairs);
   }
   for (size_t i = 0; i < drives.size(); ++i) {
     if (groups[i] != i) continue;
-    const JointAdjustment adjustment = RefineGroup(drives, groups, i, loops, join.pairs, poses);
+    const JointAdjustment adjustment =
+        RefineGroup(drives, groups, i, loops, settled, join.pairs, poses);
     if (adjustment.num_links > join.adjustment.num_links) join.adjustment = adjustment;
   }
   const std::vector<size_t> linked = groups;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,8 +39,14 @@ struct DriveJoin {
 /// together by links or by GNSS is kept (of equal ones the one with the longest way); any other
 /// drive is left out with a reason. `site` is the datum's tangent plane where a kept drive has
 /// GNSS, else the odometry frame of the first kept drive. A single drive is only placed.
+///
+/// \param settled_before  by drive, or empty: where an earlier map has it (site_from_body). Such
+///                        drives stay as they lie to each other, and only the others are adjusted,
+///                        to those that they have links with; but all anew where their links do
+///                        not hold them together
 DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
                      const SessionLoopOptions& links, const PairFindings& known = {},
-                     const ReviewedLinks& reviewed = {});
+                     const ReviewedLinks& reviewed = {},
+                     const std::vector<std::optional<Trajectory>>& settled_before = {});
 
 }  // namespace parkade

@@ -66,7 +66,7 @@ TEST(AdjustJointly, DrivesMeetHalfwayByTheirModes) {
   std::vector<std::vector<Rigid3>> poses = PosesOf(drives);
   DrivePair pair = Linked(0, 1, false);
 
-  const JointAdjustment adjustment = AdjustJointly(drives, {}, {&pair}, poses);
+  const JointAdjustment adjustment = AdjustJointly(drives, {}, {}, {&pair}, poses);
 
   EXPECT_EQ(adjustment.num_links, static_cast<int>(kKeyframes));
   EXPECT_NEAR(adjustment.largest_correction, 0.2, 0.05);
@@ -84,7 +84,7 @@ TEST(AdjustJointly, ADriveThatKnowsItselfIsNotBent) {
   std::vector<std::vector<Rigid3>> poses = PosesOf(drives);
   DrivePair pair = Linked(0, 1, false);
 
-  AdjustJointly(drives, {}, {&pair}, poses);
+  AdjustJointly(drives, {}, {}, {&pair}, poses);
 
   EXPECT_NEAR(Length(poses[0]), 40, 0.001);
   EXPECT_NEAR(Length(poses[1]), 40, 0.01);
@@ -118,7 +118,7 @@ double WidthOfWayThereAndBack(double mount_translation) {
   std::vector<std::vector<Rigid3>> poses = PosesOf(drives);
   LoopOptions options;
   options.relative_pose.mount_translation = mount_translation;
-  AdjustJointly(drives, options, {&pair}, poses);
+  AdjustJointly(drives, options, {}, {&pair}, poses);
   return std::abs(poses[1].front().translation.y() - poses[1].back().translation.y());
 }
 
@@ -135,7 +135,7 @@ TEST(AdjustJointly, LinksWithoutWeightPullNothing) {
     pair.weights[i] = 0;
     pair.found.links[i].pose.a_from_b.translation.y() = 1;
   }
-  AdjustJointly(drives, {}, {&pair}, poses);
+  AdjustJointly(drives, {}, {}, {&pair}, poses);
   EXPECT_LT((poses[1][20].translation - poses[0][20].translation).norm(), 1e-3);
 }
 
@@ -146,7 +146,7 @@ TEST(AdjustJointly, DrivesWithoutModesWalk) {
   std::vector<std::vector<Rigid3>> poses = PosesOf(drives);
   DrivePair pair = Linked(0, 1, false);
 
-  AdjustJointly(drives, {}, {&pair}, poses);
+  AdjustJointly(drives, {}, {}, {&pair}, poses);
 
   EXPECT_NEAR(Length(poses[1]), 40, 0.007) << "2 cm before";
 }
