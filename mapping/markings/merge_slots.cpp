@@ -16,7 +16,7 @@ constexpr double kSameSlot = 0.4;       // intersection over union
 constexpr double kMaxShare = 0.25;      // of a slot that another one may cover
 constexpr double kMaxHeightStep = 1.2;  // [m] between slots of one deck
 constexpr double kMaxApart = 12;        // [m] between the middles of slots that overlap
-constexpr double kSameCorner = 0.2;     // [m] by which a slot's corners may move
+constexpr double kAsBefore = 0.85;      // the same, of a slot in which cars stand as in another
 constexpr double kSharedSide = 0.5;     // [m] between the middles of neighbors' common side
 constexpr double kDoubt = 0.25;         // of a slot's confidence, that a bare line takes
 constexpr double kAsSure = 0.2;         // of confidence: what differs by less is as sure
@@ -28,13 +28,6 @@ KnownStates KnownOf(const SlotLook& look, const ParkingSlot& slot) {
   for (std::size_t i = 0; i < std::min(slot.states.size(), look.tells_of.size()); ++i)
     known.push_back(look.tells_of[i] ? std::optional(slot.states[i]) : std::nullopt);
   return known;
-}
-
-/// Whether what was seen in a slot holds for another outline of it.
-bool IsAsBefore(const ParkingSlot& slot, const ParkingSlot& before) {
-  for (std::size_t i = 0; i < slot.corners.size(); ++i)
-    if ((slot.corners[i] - before.corners[i]).norm() > kSameCorner) return false;
-  return true;
 }
 
 /// A slot from above.
@@ -66,6 +59,11 @@ struct Outline {
     return false;
   }
 };
+
+/// Whether what was seen in a slot holds for another outline of it.
+bool IsAsBefore(const Outline& outline, const Outline& before) {
+  return outline.IsNear(before) && OverlapOf(outline.corners, before.corners) >= kAsBefore;
+}
 
 std::vector<Outline> OutlinesOf(const std::vector<SlotCandidate>& candidates) {
   std::vector<Outline> outlines;
@@ -149,7 +147,7 @@ std::vector<SlotCandidate> MatchLooks(std::span<const SlotLook> looks) {
           look.establishes &&
           (!is_established[*best] || slot.confidence >= same.slot.confidence - kRounded);
       if (is_better) {
-        if (!IsAsBefore(slot, same.slot)) same.known.clear();
+        if (!IsAsBefore(outline, before[*best])) same.known.clear();
         same.slot = slot;
       }
       same.slot.id = id;

@@ -97,8 +97,10 @@ struct Hit {
   float evidence = 0;  ///< positive: ground
 };
 
+/// \param box  [m] in site, around the slots that are asked for
 std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenPath> paths,
-                          const SlotSquares& squares, const std::vector<SlotGrid>& grids) {
+                          const SlotSquares& squares, const std::vector<SlotGrid>& grids,
+                          const Eigen::AlignedBox2d& box) {
   std::vector<Hit> hits;
   const DrivenPath* path = FindPath(paths, patch.patch.drive);
   const auto camera = static_cast<std::size_t>(patch.patch.camera);
@@ -109,6 +111,7 @@ std::vector<Hit> FindHits(const PosedGroundPatch& patch, std::span<const DrivenP
   for (const GroundSample& sample : patch.patch.samples) {
     if (sample.confidence <= 0) continue;
     const Eigen::Vector3d point = site_from_body * sample.point_in_body.cast<double>();
+    if (!box.contains(point.head<2>())) continue;
     squares.VisitAt(point, [&](std::size_t slot) {
       const double height = grids[slot].origin.z();
       if (std::abs(point.z() - height) > kMaxHeightStep) return;
@@ -131,6 +134,21 @@ double HeightOfPlane(const Rigid3& site_from_ground, const Eigen::Vector2d& plac
 std::optional<SlotState> KnownOf(std::span<const KnownStates> known, std::size_t slot,
                                  std::size_t drive) {
   return slot < known.size() && drive < known[slot].size() ? known[slot][drive] : std::nullopt;
+}
+
+/// [m] in site, by drive: where the slots lie of which it is not known what the drive saw.
+std::vector<Eigen::AlignedBox2d> BoxesToSee(const std::vector<ParkingSlot>& slots,
+                                            std::size_t num_drives,
+                                            std::span<const KnownStates> known) {
+  std::vector<Eigen::AlignedBox2d> boxes(num_drives);
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(kReach);
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    for (std::size_t drive = 0; drive < num_drives; ++drive) {
+      if (KnownOf(known, i, drive)) continue;
+      for (const Eigen::Vector3d& corner : slots[i].corners)
+        boxes[drive].extend(corner.head<2>() - reach).extend(corner.head<2>() + reach);
+    }
+  return boxes;
 }
 
 /// Views that tell what is not known of the slots, some of every drive for each: the nearest ones.
@@ -190,13 +208,15 @@ void SeeSlots(const PatchSource& patches, std::span<const DrivenPath> paths, std
   grids.reserve(slots.size());
   for (const ParkingSlot& slot : slots) grids.emplace_back(slot);
   std::vector<std::vector<Cells>> cells(num_drives, std::vector<Cells>(slots.size(), Cells{}));
+  const std::vector<Eigen::AlignedBox2d> boxes = BoxesToSee(slots, num_drives, known);
   const std::vector<std::size_t> chosen =
       ChooseViews(patches.views(), paths, num_drives, slots, known);
   for (std::size_t begin = 0; begin < chosen.size(); begin += kBatch) {
     const std::span batch =
         std::span(chosen).subspan(begin, std::min(kBatch, chosen.size() - begin));
     const auto hits = ParallelMap(batch.size(), [&](std::size_t i) {
-      return FindHits(patches.Read(batch[i]), paths, squares, grids);
+      const auto drive = static_cast<std::size_t>(patches.views()[batch[i]].drive);
+      return FindHits(patches.Read(batch[i]), paths, squares, grids, boxes[drive]);
     });
     for (std::size_t i = 0; i < batch.size(); ++i) {
       const auto drive = static_cast<std::size_t>(patches.views()[batch[i]].drive);
