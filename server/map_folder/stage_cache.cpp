@@ -41,6 +41,8 @@ class ProductReader {
     if (!stream_ || size_ > kMaxBytes) return std::nullopt;
     return key;
   }
+  /// [B] of the result that Next came to.
+  std::uint64_t size() const { return size_; }
   void Skip() { stream_.seekg(static_cast<std::streamoff>(size_), std::ios::cur); }
   /// Hands on the result; whether it was whole shows only at its end.
   bool Read(const PieceSink& sink) {
@@ -68,14 +70,17 @@ class ProductReader {
   std::uint64_t size_ = 0;
 };
 
-/// Hands on the result under the key; says whether there is a whole one.
-bool FindInFile(const fs::path& file, const std::string& key, const PieceSink& sink) {
+/// Hands on the result under the key, and before it its size to `expect`; says whether there is a
+/// whole one.
+bool FindInFile(const fs::path& file, const std::string& key, const PieceSink& sink,
+                const std::function<void(std::uint64_t)>& expect = {}) {
   ProductReader reader(file);
   while (const std::optional<std::string> found = reader.Next()) {
     if (*found != key) {
       reader.Skip();
       continue;
     }
+    if (expect) expect(reader.size());
     if (reader.Read(sink)) return true;
     LogWarning("a result of an earlier build in '" + file.string() +
                "' is damaged; it is computed again");
@@ -94,7 +99,11 @@ std::optional<Found> FindResult(const std::vector<fs::path>& folders, const std:
                                 const std::string& key) {
   for (const fs::path& folder : folders) {
     Found found{folder / file, {}};
-    if (FindInFile(found.file, key, [&](std::string_view piece) { found.result += piece; }))
+    if (FindInFile(
+            found.file, key, [&](std::string_view piece) { found.result += piece; },
+            [&](std::uint64_t size) {
+              found.result.reserve(std::min<std::uint64_t>(size, fs::file_size(found.file)));
+            }))
       return found;
   }
   return std::nullopt;

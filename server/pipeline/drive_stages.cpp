@@ -114,6 +114,13 @@ void EncodeKeyframesAlong(const BuildContext& context, const DriveInWork& drive,
   encoder.Finish();
 }
 
+/// Found once: networks are megabytes, and a site asks for each of its drives.
+const std::string& KeyOfBuiltinNetworks() {
+  static const std::string key =
+      KeyOf({std::string(BuiltinFreespaceNetwork()), std::string(BuiltinLevelNetwork())});
+  return key;
+}
+
 }  // namespace
 
 void CloseLoops(const BuildContext& context, DriveInWork& drive) {
@@ -175,10 +182,8 @@ Keyed<std::shared_ptr<const GroundFile>> ObserveGround(const BuildContext& conte
   Require(!to.empty(), ErrorCode::kInternal, "what is seen of the ground needs a folder to lie in");
   const GroundOptions& options = context.options.ground;
   const DriveLog& log = *drive.calibrated;
-  const std::string model =
-      options.freespace_model.empty()
-          ? KeyOf({std::string(BuiltinFreespaceNetwork()), std::string(BuiltinLevelNetwork())})
-          : Sha256OfFile(options.freespace_model);
+  const std::string model = options.freespace_model.empty() ? KeyOfBuiltinNetworks()
+                                                            : Sha256OfFile(options.freespace_model);
   const std::string key = KeyOf({drive.odometry.key, "ground", std::to_string(kGroundVersion),
                                  BytesOf(log.rig()), TextOf(options), model});
   const std::string name = log.name() + "/ground.bin";
