@@ -13,9 +13,8 @@ namespace {
 constexpr double kSquare = 4.0;   // [m]
 constexpr double kDeck = 3.0;     // [m]
 constexpr int kEnoughViews = 24;  // of a square, at least
-// Views of a square that are chosen, of them of each earlier drive: fewer lose corners that others
-// hide.
-constexpr int kViews = 64, kViewsOfEarlier = 12;
+// Views of a square that are chosen of a drive: fewer of the latest lose corners that others hide.
+constexpr int kViewsOfLatest = 64, kViewsOfEarlier = 12;
 
 int Index(double coordinate, double step) {
   return static_cast<int>(std::floor(coordinate / step));
@@ -88,7 +87,10 @@ void LatestDrives::ChooseViews(const NumViews& num_views) {
       if (!HasSay(rank, square)) return;
       const auto [target, is_new] =
           targets.try_emplace({square, rank}, static_cast<std::uint32_t>(wanted.size()));
-      if (is_new) wanted.push_back(NumWanted(num_views.at(square), square, rank));
+      if (is_new)
+        wanted.push_back(NumViewsAfter(num_views.at(square), rank) < kEnoughViews
+                             ? kViewsOfLatest
+                             : kViewsOfEarlier);
       target_views.push_back({static_cast<float>((place - middle).norm()),
                               static_cast<std::uint32_t>(i), target->second});
     });
@@ -96,17 +98,6 @@ void LatestDrives::ChooseViews(const NumViews& num_views) {
   }
   is_chosen_ = ChooseNearest(std::move(target_views), views_.size(), std::move(wanted));
   for (const std::size_t i : narrow) is_chosen_[i] = true;
-}
-
-/// Views of a square that are chosen of a drive: what earlier ones add, the latest may lack.
-int LatestDrives::NumWanted(const std::map<int, int>& num_views, const Square& square,
-                            int rank) const {
-  if (NumViewsAfter(num_views, rank) >= kEnoughViews) return kViewsOfEarlier;
-  int wanted = kViews;
-  for (const auto& [other, count] : num_views)
-    if (HasSay(other, square) && NumViewsAfter(num_views, other) >= kEnoughViews)
-      wanted -= std::min(count, kViewsOfEarlier);
-  return wanted;
 }
 
 bool LatestDrives::HasSay(int rank, const Square& square) const {

@@ -48,7 +48,6 @@ class LatestDrives {
   static void ForEachMiddle(const PatchView& view, const Visitor& visit);
   void FindOldest(const NumViews& num_views, int max_drives);
   void ChooseViews(const NumViews& num_views);
-  int NumWanted(const std::map<int, int>& num_views, const Square& square, int rank) const;
   bool HasSay(int rank, const Square& square) const;
 
   std::span<const PatchView> views_;

@@ -54,7 +54,7 @@ TEST(LatestDrives, OfManyViewsTheNearestCount) {
     return count;
   };
   EXPECT_EQ(count(0), 12) << "of an earlier drive";
-  EXPECT_EQ(count(100), 64 - 12) << "of the latest";
+  EXPECT_EQ(count(100), 64) << "of the latest";
   EXPECT_FALSE(latest.ShareOf(20).is_none()) << "right beside the middle";
   EXPECT_FALSE(latest.ShareOf(120).is_none());
   EXPECT_TRUE(latest.ShareOf(199).is_none());
