@@ -162,9 +162,19 @@ bool TakeOver(const fs::path& from, const fs::path& to) {
 }  // namespace
 
 StageCache::StageCache(fs::path from, fs::path to, fs::path work)
-    : to_(std::move(to)), work_(std::move(work)) {
-  if (!from.empty()) sources_.push_back(std::move(from));
+    : from_(std::move(from)), to_(std::move(to)), work_(std::move(work)) {
+  if (!from_.empty()) sources_.push_back(from_);
   if (!work_.empty()) sources_.push_back(work_);
+}
+
+bool StageCache::MapHas(const std::string& file, const std::string& key) const {
+  if (from_.empty()) return false;
+  ProductReader reader(from_ / file);
+  while (const std::optional<std::string> found = reader.Next()) {
+    if (*found == key) return true;
+    reader.Skip();
+  }
+  return false;
 }
 
 std::optional<std::string> StageCache::Find(const std::string& file, const std::string& key) const {

@@ -25,6 +25,10 @@ class StageCache {
   /// The folders that results may be taken from, the first one first.
   const std::vector<std::filesystem::path>& sources() const { return sources_; }
 
+  /// Whether the map to start from has a result under `key`; what an unfinished build left in
+  /// `work` does not count.
+  bool MapHas(const std::string& file, const std::string& key) const;
+
   /// The result under `key` that is there; nothing where there is no whole one.
   std::optional<std::string> Find(const std::string& file, const std::string& key) const;
 
@@ -44,7 +48,7 @@ class StageCache {
 
  private:
   std::vector<std::filesystem::path> sources_;
-  std::filesystem::path to_, work_;
+  std::filesystem::path from_, to_, work_;
 };
 
 /// The last result in a file of a finished map, whatever its key; nothing where there is no whole

@@ -146,7 +146,7 @@ void Refine(const BuildContext& context, DriveInWork& drive) {
   const std::string key = KeyOf({drive.loops.key, "refinement", TextOf(context.options.refinement),
                                  TextOf(context.options.gnss), BytesOf(gnss)});
   const StageFile<DriveRefinement> file{
-      drive.log->name() + "/refinement.bin", EncodeRefinement,
+      drive.log->name() + kRefinementFile, EncodeRefinement,
       [&](std::string_view bytes) { return DecodeRefinement(bytes, odometry.rig); }};
   drive.refinement = Cached(context.cache, file, key, [&] {
     return RefineDrive(odometry, drive.log->rig(), drive.loops.value, context.options.refinement,

@@ -13,6 +13,8 @@ namespace parkade {
 // product or takes it from the map that the build starts from: a drive that joins a site of many
 // costs its own work.
 
+inline constexpr const char* kRefinementFile = "/refinement.bin";  ///< in a drive's folder
+
 /// Closes the loops of the odometry, under the decisions of reviewers.
 void CloseLoops(const BuildContext& context, DriveInWork& drive);
 

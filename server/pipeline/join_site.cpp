@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/error.h"
 #include "core/files/binary_archive.h"
+#include "core/log.h"
 #include "core/options_json.h"
 #include "server/findings/trajectory_findings.h"
 #include "server/pipeline/drive_stages.h"
@@ -159,8 +161,16 @@ std::vector<std::optional<Trajectory>> SettledBefore(const BuildContext& context
   size_t num_settled = 0;
   for (size_t i = 0; i < drives.size(); ++i) {
     if (!context.from->Holds(drives[i].log->name(), scope.logs)) continue;
-    if (!drives[i].is_odometry_taken || !drives[i].refinement.is_taken) return {};
-    settled[i] = BodyIn(*context.from, drives[i]);
+    const std::string file = drives[i].log->name() + kRefinementFile;
+    if (!drives[i].is_odometry_taken || !context.cache.MapHas(file, drives[i].refinement.key))
+      return {};
+    try {
+      settled[i] = BodyIn(*context.from, drives[i]);
+    } catch (const Error& error) {
+      LogWarning(std::string("all drives are joined anew: ") + error.what());
+      return {};
+    }
+    if (settled[i]->empty()) return {};
     ++num_settled;
   }
   if (num_settled != num_before) return {};

@@ -15,7 +15,6 @@ template <typename Value>
 struct Keyed {
   Value value;
   std::string key;
-  bool is_taken = false;  ///< from the cache
 };
 
 /// How a stage's product lies in a map's folder.
@@ -33,16 +32,14 @@ Keyed<Value> Cached(const StageCache& cache, const StageFile<Value>& file, std::
                     Compute compute) {
   constexpr bool kHasSeconds = requires(Value value) { value.seconds; };
   double seconds = 0;
-  bool is_taken = true;
   const std::string bytes = cache.Get(file.name, key, [&] {
-    is_taken = false;
     const Value computed = compute();
     if constexpr (kHasSeconds) seconds = computed.seconds;
     return file.encode(computed);
   });
   Value value = file.decode(bytes);
   if constexpr (kHasSeconds) value.seconds = seconds;
-  return {std::move(value), std::move(key), is_taken};
+  return {std::move(value), std::move(key)};
 }
 
 }  // namespace parkade

@@ -180,13 +180,15 @@ JointAdjustment AdjustJointly(const std::vector<DriveToJoin>& drives, const Loop
   const auto start = std::chrono::steady_clock::now();
   std::vector<std::optional<BentDrive>> bent(drives.size());
   JointProblem problem(drives, loops);
-  bool is_first = true;
+  bool has_fixed = false;
+  for (size_t i = 0; i < drives.size(); ++i)
+    has_fixed = has_fixed || (settled.Holds(i) && !group_from_keyframe[i].empty());
   for (size_t i = 0; i < drives.size(); ++i) {
     if (group_from_keyframe[i].empty()) continue;
     bent[i] = settled.Holds(i) ? MakeSettled(settled.PosesOf(i), loops)
                                : MakeBent(drives[i], loops, group_from_keyframe[i]);
-    problem.AddDrive(*bent[i], settled.Holds(i) || (settled.empty() && is_first));
-    is_first = false;
+    problem.AddDrive(*bent[i], settled.Holds(i) || !has_fixed);
+    has_fixed = true;
   }
   for (DrivePair* pair : pairs) problem.AddLinks(*pair, *bent[pair->drive_a], *bent[pair->drive_b]);
   JointAdjustment result;

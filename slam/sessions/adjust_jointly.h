@@ -21,8 +21,8 @@ struct JointAdjustment {
 /// RelativePoseOptions); the measurements are the links between drives. Modes are principal
 /// components of what a drive's own refinement left open (CovarianceModes), so that this is the
 /// bundle adjustment of all drives together, linear around the solution of each, with some dozens
-/// of unknowns per drive; images are not looked at again. The frame of the first drive stays. Of
-/// settled drives the mounts alone are unknown.
+/// of unknowns per drive; images are not looked at again. Of settled
+/// drives the mounts alone are unknown; without them the frame of the first drive stays.
 ///
 /// Links are weighed with a Cauchy loss and share what they know (SharesOf). Mounts that are off
 /// move all links of a drive alike, one way where two cars head the same way, the other way where

@@ -40,7 +40,8 @@ struct DriveJoin {
 /// drive is left out with a reason. `site` is the datum's tangent plane where a kept drive has
 /// GNSS, else the odometry frame of the first kept drive. A single drive is only placed.
 ///
-/// \param settled_before  by drive, or empty: where an earlier map has it (site_from_body). Such
+/// \param settled_before  by drive, or empty: where an earlier map has it (site_from_body), whose
+///                        frame the site keeps where none has GNSS. Such
 ///                        drives stay as they lie to each other, and only the others are adjusted,
 ///                        to those that they have links with; but all anew where their links do
 ///                        not hold them together

@@ -86,6 +86,18 @@ TEST_F(SettledDrivesTest, ADriveOfAnotherPlaceIsLeftOut) {
     EXPECT_LT(Apart(join.drives[i].site_from_body, *before_[i]), 1e-6) << i;
 }
 
+TEST_F(SettledDrivesTest, NewDrivesOfAnotherPlaceAreJoinedToEachOther) {
+  const DriveWorld elsewhere({.seed = 2});
+  to_join_[3] = elsewhere.Drive(4).drive;
+  to_join_.push_back(elsewhere.Drive(5).drive);
+  before_.emplace_back();
+  const DriveJoin join = Join();
+  EXPECT_GT(join.pairs.back().num_accepted(), 0);
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_LT(Apart(join.drives[i].site_from_body, *before_[i]), 1e-6) << i;
+  for (size_t i = 3; i < 5; ++i) EXPECT_NE(join.drives[i].left_out, "");
+}
+
 TEST_F(SettledDrivesTest, TheirLinksAreWeighedByTheirErrors) {
   std::vector<DrivePair> pairs = Join().pairs;
   std::erase_if(pairs, [](const DrivePair& pair) { return pair.drive_b == 3; });
