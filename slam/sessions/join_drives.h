@@ -41,10 +41,9 @@ struct DriveJoin {
 /// GNSS, else the odometry frame of the first kept drive. A single drive is only placed.
 ///
 /// \param settled_before  by drive, or empty: where an earlier map has it (site_from_body), whose
-///                        frame the site keeps where none has GNSS. Such
-///                        drives stay as they lie to each other, and only the others are adjusted,
-///                        to those that they have links with; but all anew where their links do
-///                        not hold them together
+///                        frame the site keeps where none has GNSS. Such drives stay as they lie
+///                        to each other, and only the others are adjusted, to those that they have
+///                        links with; but all anew where their links do not hold them together
 DriveJoin JoinDrives(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
                      const SessionLoopOptions& links, const PairFindings& known = {},
                      const ReviewedLinks& reviewed = {},
