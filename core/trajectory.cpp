@@ -1,15 +1,29 @@
 #include "core/trajectory.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cstdio>
-#include <fstream>
-#include <sstream>
+#include <string_view>
+#include <system_error>
 
 #include "core/error.h"
 #include "core/files/appended_file.h"
 #include "core/files/file.h"
 
 namespace parkade {
+namespace {
+
+/// The first word of a line, which is taken off; empty where there is none.
+std::string_view TakeWord(std::string_view& line) {
+  constexpr std::string_view kSpaces = " \t\r";
+  line.remove_prefix(std::min(line.find_first_not_of(kSpaces), line.size()));
+  const std::string_view word = line.substr(0, line.find_first_of(kSpaces));
+  line.remove_prefix(word.size());
+  return word;
+}
+
+}  // namespace
 
 Trajectory::Trajectory(std::vector<TrajectoryState> states) {
   for (size_t i = 0; i < states.size(); ++i) {
@@ -67,26 +81,36 @@ Trajectory Trajectory::Transformed(const Rigid3& target_from_world) const {
 }
 
 std::vector<TimedPose> ReadTum(const std::filesystem::path& file) {
-  std::istringstream lines(ReadFile(file));
+  const std::string text = ReadFile(file);
   std::vector<TimedPose> poses;
-  std::string line;
-  for (int number = 1; std::getline(lines, line); ++number) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line.find_first_not_of(" \t") == std::string::npos ||
-        line[line.find_first_not_of(" \t")] == '#')
-      continue;
-    const std::string where = "'" + file.filename().string() + "', line " + std::to_string(number);
-    std::istringstream fields(line);
-    std::string time;
+  std::string_view rest = text;
+  for (int number = 1; !rest.empty(); ++number) {
+    std::string_view line = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+    const std::string_view time = TakeWord(line);
+    if (time.empty() || time.front() == '#') continue;
+    const auto where = [&] {
+      return "'" + file.filename().string() + "', line " + std::to_string(number);
+    };
+    std::array<double, 7> values{};
+    for (double& value : values) {
+      std::string_view word = TakeWord(line);
+      if (word.starts_with('+')) word.remove_prefix(1);
+      const char* end = word.data() + word.size();
+      const std::from_chars_result result = std::from_chars(word.data(), end, value);
+      if (result.ec != std::errc() || result.ptr != end)
+        throw Error(ErrorCode::kInvalidInput, where() + " is not 't x y z qx qy qz qw'");
+    }
     TimedPose pose;
     Eigen::Vector3d& p = pose.world_from_frame.translation;
     Eigen::Quaterniond& q = pose.world_from_frame.rotation;
-    fields >> time >> p.x() >> p.y() >> p.z() >> q.x() >> q.y() >> q.z() >> q.w();
-    Require(!fields.fail(), ErrorCode::kInvalidInput, where + " is not 't x y z qx qy qz qw'");
-    Require(p.allFinite() && std::abs(q.norm() - 1) < 1e-2, ErrorCode::kInvalidInput,
-            where + " holds no finite pose with a unit quaternion");
+    p = {values[0], values[1], values[2]};
+    q = {values[6], values[3], values[4], values[5]};
+    if (!p.allFinite() || !(std::abs(q.norm() - 1) < 1e-2))
+      throw Error(ErrorCode::kInvalidInput,
+                  where() + " holds no finite pose with a unit quaternion");
     q.normalize();
-    pose.time = ParseSeconds(time);
+    pose.time = ParseSeconds(std::string(time));
     poses.push_back(pose);
   }
   return poses;

@@ -118,7 +118,10 @@ void SerializeValue(Archive& archive, std::string& text) {
 template <typename Archive, typename Item>
 void SerializeValue(Archive& archive, std::vector<Item>& items) {
   items.resize(archive.Count(items.size()));
-  for (Item& item : items) archive(item);
+  if constexpr (std::is_arithmetic_v<Item>)
+    archive.Raw(items.data(), items.size() * sizeof(Item));
+  else
+    for (Item& item : items) archive(item);
 }
 
 template <typename Archive, typename Item>

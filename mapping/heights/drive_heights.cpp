@@ -14,6 +14,7 @@
 #include "mapping/heights/fine_heights.h"
 #include "mapping/heights/height_certainty.h"
 #include "mapping/heights/measure_heights.h"
+#include "mapping/heights/path_agreement.h"
 #include "mapping/heights/plane_heights.h"
 
 namespace parkade {
@@ -206,8 +207,12 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
             " heave=" + std::to_string(leaning.lean.heave) +
             " plane_errors=" + std::to_string(leaning.plane_errors));
   const PoseTies ties(path);
-  return {path ? path->drive : 0, leaning.lean, leaning.plane_errors, TieAll(swept, ties),
-          TieAll(planes.Sums(), ties)};
+  return {path ? path->drive : 0,
+          leaning.lean,
+          leaning.plane_errors,
+          TieAll(swept, ties),
+          TieAll(planes.Sums(), ties),
+          path ? SparsePoses(path->site_from_body) : std::vector<TimedPose>()};
 }
 
 namespace {

@@ -36,6 +36,7 @@ struct DriveHeights {
   std::vector<DriveHeight> swept;  ///< where its views agree: MeasureHeights
   std::vector<DriveHeight>
       planes;  ///< where its keyframes' planes have the ground: one per square and deck
+  std::vector<TimedPose> path;  ///< along which they were measured, for HoldAlong
 };
 
 /// Heights of one drive: a field is fitted to the wheel contacts and the planes of keyframes, and

@@ -128,6 +128,7 @@ GroundObservation ObserveGround(const DriveLog& log, const Trajectory& odom_from
   options.Validate();
   const Rig& rig = log.rig();
   GroundObservation result;
+  result.placements = PlacementsOf(rig);
   const std::optional<Rigid3> body_from_ground =
       EstimateBodyFromGround(rig, odom_from_body, landmarks);
   if (!body_from_ground) {

@@ -9,6 +9,7 @@
 #include "core/ground_patch.h"
 #include "core/landmark.h"
 #include "core/trajectory.h"
+#include "mapping/observation/camera_placement.h"
 #include "mapping/observation/ground_options.h"
 
 namespace parkade {
@@ -20,7 +21,8 @@ struct GroundObservation {
   Rigid3 body_from_ground;  ///< identity with vehicle.yaml; see EstimateBodyFromGround
   int num_images = 0;       ///< decoded
   int num_masks = 0;        ///< of these, with a mask of the log
-  std::vector<std::string> warnings;  ///< one sentence each
+  std::vector<std::string> warnings;             ///< one sentence each
+  std::vector<CameraPlacement> placements = {};  ///< of the cameras, as they were believed to be
 };
 
 /// The second pass over a drive: of each camera one image per stretch of travel, its pixels of the

@@ -273,7 +273,7 @@ void SurfacePainter::PaintDrive(const PatchSource& patches, std::span<const size
 void SurfacePainter::MarkDriven(const DrivenPath& path) {
   const bool is_known = path.contact.wheelbase > 0 && path.contact.track > 0;
   const WheelbaseFootprint car = is_known ? path.contact : kSmallestCar;
-  const double step = 2 * cell_size_, length = car.wheelbase + car.track + 1;
+  const double step = 4 * cell_size_, length = car.wheelbase + car.track + 1;
   // Every cell well inside of where the car stood last is marked already.
   const double rim = 2.5 * cell_size_, half_track = 0.5 * car.track;
   const Eigen::AlignedBox2d inside(Eigen::Vector2d(rim, rim - half_track),

@@ -23,6 +23,10 @@ void Serialize(A& archive, CompactFloat& value) {
   archive.Raw(&value, sizeof value);
 }
 template <typename A>
+void Serialize(A& archive, CameraPlacement& placement) {
+  archive(placement.body_from_camera, placement.time_shift, placement.line_delay);
+}
+template <typename A>
 void Serialize(A& archive, GroundCell& cell) {
   archive(cell.point_in_body, cell.weight, cell.footprint, cell.confidence);
 }
@@ -36,7 +40,7 @@ namespace {
 
 // A file is the magic, the key, the patches one after the other, the index, and last where the
 // index is.
-constexpr std::string_view kMagic = "parkade ground 3\n";
+constexpr std::string_view kMagic = "parkade ground 4\n";
 constexpr std::size_t kDigits = 64;
 constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 26;  // of an image
 constexpr std::uint64_t kMaxIndex = std::uint64_t{1} << 32;
@@ -49,6 +53,7 @@ struct Index {
   Rigid3 body_from_ground;
   int num_images = 0, num_masks = 0;
   std::vector<std::string> warnings;
+  std::vector<CameraPlacement> placements;
   std::vector<std::vector<GroundCell>> cells;
   std::vector<StoredPatch> patches;
   std::string hash;  // of the patches, as they are in the file
@@ -56,8 +61,8 @@ struct Index {
 
 template <typename A>
 void Serialize(A& archive, Index& index) {
-  archive(index.body_from_ground, index.num_images, index.num_masks, index.warnings, index.cells,
-          index.patches, index.hash);
+  archive(index.body_from_ground, index.num_images, index.num_masks, index.warnings,
+          index.placements, index.cells, index.patches, index.hash);
 }
 
 }  // namespace
@@ -87,6 +92,7 @@ void GroundFileWriter::Finish(const GroundObservation& observation) {
               observation.num_images,
               observation.num_masks,
               observation.warnings,
+              observation.placements,
               {},
               patches_,
               hash_.Finish()};
@@ -109,22 +115,30 @@ GroundFile::~GroundFile() {
   if (file_ >= 0) ::close(file_);
 }
 
-std::string GroundFile::Bytes(std::uint64_t offset, std::uint64_t size) const {
-  std::string bytes(size, '\0');
-  for (std::uint64_t done = 0; done < size;) {
+void GroundFile::ReadAt(std::uint64_t offset, std::span<char> bytes) const {
+  for (std::uint64_t done = 0; done < bytes.size();) {
     const ssize_t got =
-        ::pread(file_, bytes.data() + done, size - done, static_cast<off_t>(offset + done));
+        ::pread(file_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
     Require(got > 0, ErrorCode::kInvalidInput, "it ends in the middle");
     done += static_cast<std::uint64_t>(got);
   }
+}
+
+std::string GroundFile::Bytes(std::uint64_t offset, std::uint64_t size) const {
+  std::string bytes(size, '\0');
+  ReadAt(offset, bytes);
   return bytes;
 }
 
 std::string GroundFile::HashOfPatches(std::uint64_t end) const {
   constexpr std::uint64_t kPiece = std::uint64_t{1} << 20;
   Sha256 hash;
-  for (std::uint64_t begin = kMagic.size() + kDigits; begin < end; begin += kPiece)
-    hash.Add(Bytes(begin, std::min(kPiece, end - begin)));
+  std::string piece(kPiece, '\0');
+  for (std::uint64_t begin = kMagic.size() + kDigits; begin < end; begin += piece.size()) {
+    piece.resize(std::min(kPiece, end - begin));
+    ReadAt(begin, piece);
+    hash.Add(piece);
+  }
   return hash.Finish();
 }
 
@@ -151,8 +165,12 @@ void GroundFile::ReadIndex(const std::string& key) {
             ErrorCode::kInvalidInput, "its index is damaged");
   Require(HashOfPatches(tail.offset) == index.hash, ErrorCode::kInvalidInput,
           "it holds a damaged piece");
-  observation_ = {
-      {}, index.body_from_ground, index.num_images, index.num_masks, std::move(index.warnings)};
+  observation_ = {{},
+                  index.body_from_ground,
+                  index.num_images,
+                  index.num_masks,
+                  std::move(index.warnings),
+                  std::move(index.placements)};
   cells_ = std::move(index.cells);
   patches_ = std::move(index.patches);
 }

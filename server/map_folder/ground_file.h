@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -71,6 +72,8 @@ class GroundFile {
   explicit GroundFile(const std::filesystem::path& file);
   void ReadIndex(const std::string& key);
   std::string HashOfPatches(std::uint64_t end) const;
+  /// Fills `bytes`.
+  void ReadAt(std::uint64_t offset, std::span<char> bytes) const;
   std::string Bytes(std::uint64_t offset, std::uint64_t size) const;
 
   int file_ = -1;

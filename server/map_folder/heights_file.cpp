@@ -10,9 +10,13 @@ void Serialize(A& archive, DriveHeight& height) {
   archive(height.time, height.point_in_body, height.weight, height.sigma);
 }
 template <typename A>
+void Serialize(A& archive, TimedPose& pose) {
+  archive(pose.time, pose.world_from_frame);
+}
+template <typename A>
 void Serialize(A& archive, DriveHeights& heights) {
   archive(heights.lean.roll, heights.lean.pitch, heights.lean.heave, heights.plane_errors,
-          heights.swept, heights.planes);
+          heights.swept, heights.planes, heights.path);
 }
 
 std::string EncodeHeights(DriveHeights heights) {

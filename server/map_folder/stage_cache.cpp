@@ -109,6 +109,18 @@ std::optional<Found> FindResult(const std::vector<fs::path>& folders, const std:
   return std::nullopt;
 }
 
+/// The last result of a file after its key; nothing where it is not whole.
+std::optional<std::pair<std::string, std::string>> LastKeyed(const fs::path& file) {
+  ProductReader reader(file);
+  std::string last;
+  std::optional<std::string> result;
+  while (const std::optional<std::string> key = reader.Next()) {
+    last = *key;
+    result = reader.Read();
+  }
+  return result ? std::optional(std::pair(last, std::move(*result))) : std::nullopt;
+}
+
 bool HoldsOneResult(const fs::path& file) {
   ProductReader reader(file);
   if (!reader.Next()) return false;
@@ -177,6 +189,11 @@ bool StageCache::MapHas(const std::string& file, const std::string& key) const {
   return false;
 }
 
+std::optional<std::pair<std::string, std::string>> StageCache::LastOfMap(
+    const std::string& file) const {
+  return from_.empty() ? std::nullopt : LastKeyed(from_ / file);
+}
+
 std::optional<std::string> StageCache::Find(const std::string& file, const std::string& key) const {
   std::optional<Found> found = FindResult(sources_, file, key);
   return found ? std::optional(std::move(found->result)) : std::nullopt;
@@ -210,15 +227,27 @@ void StageCache::Keep(const std::string& file, const std::string& key,
   if (!is_there) Share(file);
 }
 
+bool StageCache::ShareUnread(const std::string& file, const std::string& key) const {
+  return !to_.empty() && MapHas(file, key) && TakeOver(from_ / file, to_ / file);
+}
+
+std::string StageCache::ReadShared(const std::string& file, const std::string& key,
+                                   const std::function<std::string()>& compute) const {
+  if (std::optional<std::string> whole = Find(file, key)) return std::move(*whole);
+  const std::string result = compute();
+  fs::remove(to_ / file);
+  Append(to_ / file, key, [&](const PieceSink& sink) { sink(result); });
+  Share(file);
+  return result;
+}
+
 void StageCache::Share(const std::string& file) const {
   if (!work_.empty()) LinkOrCopy(to_ / file, work_ / file);
 }
 
 std::optional<std::string> LastProduct(const fs::path& file) {
-  ProductReader reader(file);
-  std::optional<std::string> last;
-  while (reader.Next()) last = reader.Read();
-  return last;
+  auto last = LastKeyed(file);
+  return last ? std::optional(std::move(last->second)) : std::nullopt;
 }
 
 void LinkOrCopy(const fs::path& from, const fs::path& to) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace parkade {
@@ -29,6 +30,10 @@ class StageCache {
   /// `work` does not count.
   bool MapHas(const std::string& file, const std::string& key) const;
 
+  /// The last result of a file of the map to start from, and its key; nothing where there is no
+  /// whole one.
+  std::optional<std::pair<std::string, std::string>> LastOfMap(const std::string& file) const;
+
   /// The result under `key` that is there; nothing where there is no whole one.
   std::optional<std::string> Find(const std::string& file, const std::string& key) const;
 
@@ -42,6 +47,15 @@ class StageCache {
   /// piece.
   void Keep(const std::string& file, const std::string& key,
             const std::function<void(const PieceSink&)>& compute) const;
+
+  /// Shares a file of the map to start from with the new map, unread, where it holds this one
+  /// result; says whether it does. What it holds is read by ReadShared.
+  bool ShareUnread(const std::string& file, const std::string& key) const;
+
+  /// The result of a file that is shared. Where it is damaged, it is computed, and the new map has
+  /// that.
+  std::string ReadShared(const std::string& file, const std::string& key,
+                         const std::function<std::string()>& compute) const;
 
   /// Puts a file of the map in the making, which is whole, into `work` as well.
   void Share(const std::string& file) const;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "server/findings/trajectory_findings.h"
@@ -11,10 +13,20 @@
 #include "slam/odometry/calibrated_log.h"
 #include "slam/odometry/odometry_result.h"
 #include "slam/places/keyframe_store.h"
+#include "slam/places/place_words.h"
 #include "slam/places/rig_keyframe.h"
 #include "slam/refinement/sensor_agreement.h"
 
 namespace parkade {
+
+/// The keyframes of a drive along its refined trajectory, for joining it with others.
+struct DriveKeyframes {
+  std::string key;  ///< of what they show
+  // As in DriveToJoin.
+  std::vector<RigKeyframe> keyframes;
+  std::optional<PlaceWords> words;
+  std::function<std::vector<RigKeyframe>()> describe;
+};
 
 /// A drive on its way into the map: the products of its stages so far, in their order.
 struct DriveInWork {
@@ -31,7 +43,7 @@ struct DriveInWork {
   std::optional<CalibratedLog> calibrated;  ///< the log as all that follows the refinement sees it
   std::optional<GnssAlignment> gnss;
   GnssVerdict gnss_verdict;
-  Keyed<std::vector<RigKeyframe>> keyframes;  ///< of several drives; a drive alone needs none
+  DriveKeyframes keyframes;  ///< of several drives; a drive alone needs none
 };
 
 }  // namespace parkade

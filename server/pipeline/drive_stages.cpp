@@ -8,6 +8,7 @@
 #include "core/files/binary_archive.h"
 #include "core/files/sha256.h"
 #include "core/options_json.h"
+#include "mapping/heights/path_agreement.h"
 #include "mapping/networks/builtin_network.h"
 #include "server/map_folder/heights_file.h"
 #include "slam/georeference/gnss_doubts.h"
@@ -29,7 +30,7 @@ std::string TextOf(const LoopReview& review) {
   return nlohmann::json{review.rejected, review.forced}.dump();
 }
 
-constexpr const char* kKeyframesFile = "/places.bin";
+constexpr const char *kKeyframesFile = "/places.bin", *kWordsFile = "/words.bin";
 
 // Text with every bit of the numbers, as they are in memory.
 
@@ -41,10 +42,9 @@ std::string BytesOf(GnssPositions gnss) {
   return writer.bytes();
 }
 
-/// Hash of everything that the refinement may change about a rig: the rest belongs to the odometry.
-std::string BytesOf(Rig rig) {
+std::string BytesOf(std::vector<CameraPlacement> placements) {
   BinaryWriter writer;
-  for (RigCamera& camera : rig.cameras)
+  for (CameraPlacement& camera : placements)
     writer(camera.body_from_camera.rotation, camera.body_from_camera.translation, camera.time_shift,
            camera.line_delay);
   return writer.bytes();
@@ -89,18 +89,22 @@ std::string KeyOfKeyframes(const DriveInWork& drive) {
 }
 
 /// Keyframes are described by the odometry, as for loops, and only where loops did not do so
-/// before; then they are taken to the refined drive.
-void EncodeKeyframesAlong(const BuildContext& context, const DriveInWork& drive,
-                          const PieceSink& sink) {
+/// before; then they are taken to the refined drive. Returns their words.
+PlaceWords EncodeKeyframesAlong(const BuildContext& context, const DriveInWork& drive,
+                                const PieceSink& sink) {
   const OdometryResult& odometry = drive.odometry.value;
   const DriveRefinement& refinement = drive.refinement.value;
   const KeyframeOptions& options = context.options.loops.keyframes;
   std::vector<RigKeyframe> moved =
       KeyframesAlong(odometry.odom_from_body, refinement.odom_from_body, options);
+  PlaceWords words;
   KeyframesEncoder encoder(moved.size(), sink);
   KeyframeMover mover({odometry.odom_from_body, odometry.rig},
                       {refinement.odom_from_body, drive.calibrated->rig()}, std::move(moved),
-                      options, [&](RigKeyframe&& keyframe) { encoder.Add(std::move(keyframe)); });
+                      options, [&](RigKeyframe&& keyframe) {
+                        words.Add(keyframe);
+                        encoder.Add(std::move(keyframe));
+                      });
   const KeyframeStore& described = *drive.described;
   std::vector<RigKeyframe> chosen = ChooseKeyframes(odometry.odom_from_body, options);
   std::vector<bool> is_missing;
@@ -112,6 +116,21 @@ void EncodeKeyframesAlong(const BuildContext& context, const DriveInWork& drive,
                       mover.Add(known ? std::move(*known) : std::move(keyframe));
                     });
   encoder.Finish();
+  return words;
+}
+
+StageFile<PlaceWords> WordsFileOf(const DriveInWork& drive) {
+  return {drive.log->name() + kWordsFile,
+          [](PlaceWords words) {
+            BinaryWriter writer;
+            writer(words);
+            return std::move(writer).Take();
+          },
+          [](std::string_view bytes) {
+            PlaceWords words;
+            BinaryReader{bytes}(words);
+            return words;
+          }};
 }
 
 /// Found once: networks are megabytes, and a site asks for each of its drives.
@@ -119,6 +138,28 @@ const std::string& KeyOfBuiltinNetworks() {
   static const std::string key =
       KeyOf({std::string(BuiltinFreespaceNetwork()), std::string(BuiltinLevelNetwork())});
   return key;
+}
+
+std::string KeyOfHeightsAlong(const std::string& ground_key, std::vector<TimedPose> path) {
+  DriveHeights along;
+  along.path = std::move(path);
+  return KeyOf({ground_key, "heights", EncodeHeights(std::move(along))});
+}
+
+/// The key of the heights along a path: that of an earlier map's where these hold.
+std::string KeyOfHeights(const StageCache& cache, const std::string& file,
+                         const std::string& ground_key, const Trajectory& odom_from_body) {
+  const std::string own = KeyOfHeightsAlong(ground_key, SparsePoses(odom_from_body));
+  if (cache.MapHas(file, own)) return own;
+  const auto last = cache.LastOfMap(file);
+  if (!last) return own;
+  try {
+    const std::vector<TimedPose> path = DecodeHeights(last->second).path;
+    const bool is_of_ground = KeyOfHeightsAlong(ground_key, path) == last->first;
+    return is_of_ground && HoldAlong(path, odom_from_body) ? last->first : own;
+  } catch (const Error&) {  // of an earlier version
+    return own;
+  }
 }
 
 }  // namespace
@@ -158,21 +199,40 @@ void Refine(const BuildContext& context, DriveInWork& drive) {
 }
 
 void DescribeKeyframes(const BuildContext& context, DriveInWork& drive) {
-  drive.keyframes.key = KeyOfKeyframes(drive);
-  const std::string bytes =
-      context.cache.Get(drive.log->name() + kKeyframesFile, drive.keyframes.key, [&] {
-        std::string encoded;
-        EncodeKeyframesAlong(context, drive,
-                             [&encoded](std::string_view piece) { encoded += piece; });
-        return encoded;
-      });
-  drive.keyframes.value = DecodeKeyframes(bytes);
-  drive.described.reset();
+  const std::string file = drive.log->name() + kKeyframesFile, key = KeyOfKeyframes(drive);
+  const StageFile<PlaceWords> words_file = WordsFileOf(drive);
+  const auto encode = [&context, &drive] {
+    std::string encoded;
+    EncodeKeyframesAlong(context, drive, [&encoded](std::string_view piece) { encoded += piece; });
+    return encoded;
+  };
+  DriveKeyframes& found = drive.keyframes;
+  found.key = key;
+  if (context.cache.MapHas(words_file.name, key) && context.cache.ShareUnread(file, key)) {
+    found.keyframes =
+        KeyframesAlong(drive.odometry.value.odom_from_body, drive.refinement.value.odom_from_body,
+                       context.options.loops.keyframes);
+    found.describe = [&context, file, key, encode] {
+      return DecodeKeyframes(context.cache.ReadShared(file, key, encode));
+    };
+  } else {
+    found.keyframes = DecodeKeyframes(context.cache.Get(file, key, encode));
+    drive.described.reset();
+  }
+  found.words = Cached(context.cache, words_file, key, [&found] {
+                  return PlaceWords(found.describe ? found.describe() : found.keyframes);
+                }).value;
 }
 
 void KeepKeyframes(const BuildContext& context, DriveInWork& drive) {
-  context.cache.Keep(drive.log->name() + kKeyframesFile, KeyOfKeyframes(drive),
-                     [&](const PieceSink& sink) { EncodeKeyframesAlong(context, drive, sink); });
+  const std::string file = drive.log->name() + kKeyframesFile, key = KeyOfKeyframes(drive);
+  const StageFile<PlaceWords> words_file = WordsFileOf(drive);
+  std::optional<PlaceWords> words;
+  context.cache.Keep(file, key, [&](const PieceSink& sink) {
+    words = EncodeKeyframesAlong(context, drive, sink);
+  });
+  if (words || context.cache.Find(words_file.name, key))
+    Cached(context.cache, words_file, key, [&words] { return words.value_or(PlaceWords()); });
   drive.described.reset();
 }
 
@@ -184,14 +244,20 @@ Keyed<std::shared_ptr<const GroundFile>> ObserveGround(const BuildContext& conte
   const DriveLog& log = *drive.calibrated;
   const std::string model = options.freespace_model.empty() ? KeyOfBuiltinNetworks()
                                                             : Sha256OfFile(options.freespace_model);
-  const std::string key = KeyOf({drive.odometry.key, "ground", std::to_string(kGroundVersion),
-                                 BytesOf(log.rig()), TextOf(options), model});
+  const std::string key =
+      KeyOf({drive.odometry.key, "ground", std::to_string(kGroundVersion), TextOf(options), model});
+  const std::vector<CameraPlacement> placements = PlacementsOf(log.rig());
+  const auto keyed = [&key](std::shared_ptr<const GroundFile> seen) {
+    const std::string bytes = BytesOf(seen->observation().placements);
+    return Keyed<std::shared_ptr<const GroundFile>>{std::move(seen), KeyOf({key, bytes})};
+  };
   const std::string name = log.name() + "/ground.bin";
   const std::filesystem::path file = to / name;
   for (const std::filesystem::path& source : context.cache.sources())
-    if (std::shared_ptr<const GroundFile> taken = GroundFile::Open(source / name, key)) {
+    if (std::shared_ptr<const GroundFile> taken = GroundFile::Open(source / name, key);
+        taken && SeeAlike(taken->observation().placements, placements)) {
       LinkOrCopy(source / name, file);
-      return {taken, key};
+      return keyed(std::move(taken));
     }
   GroundFileWriter writer(file, key);
   const OdometryResult& odometry = drive.odometry.value;
@@ -200,18 +266,18 @@ Keyed<std::shared_ptr<const GroundFile>> ObserveGround(const BuildContext& conte
   std::shared_ptr<const GroundFile> written = GroundFile::Open(file, key);
   Require(written != nullptr, ErrorCode::kInternal, "'" + file.string() + "' cannot be read again");
   context.cache.Share(name);
-  return {written, key};
+  return keyed(std::move(written));
 }
 
 Keyed<DriveHeights> MeasureHeights(const BuildContext& context, const DriveInWork& drive,
                                    const Keyed<std::shared_ptr<const GroundFile>>& ground,
                                    int number) {
   const HeightOptions options = context.options.surface.Heights();
-  const std::string key = KeyOf({ground.key, drive.refinement.key, "heights"});
+  const Trajectory& odom_from_body = drive.refinement.value.odom_from_body;
   const StageFile<DriveHeights> file{drive.log->name() + "/heights.bin", EncodeHeights,
                                      DecodeHeights};
+  const std::string key = KeyOfHeights(context.cache, file.name, ground.key, odom_from_body);
   Keyed<DriveHeights> heights = Cached(context.cache, file, key, [&] {
-    const Trajectory& odom_from_body = drive.refinement.value.odom_from_body;
     StoredGround patches;
     patches.Add(ground.value, 0, odom_from_body);
     const DrivenPath path = MakeDrivenPath(0, drive.calibrated->rig(), odom_from_body,

@@ -21,7 +21,8 @@ void CloseLoops(const BuildContext& context, DriveInWork& drive);
 /// Refines the drive after its loops are closed, and lets go of the measurements behind it.
 void Refine(const BuildContext& context, DriveInWork& drive);
 
-/// Describes the keyframes along the refined drive.
+/// Describes the keyframes along the refined drive, or leaves that to `describe` where an earlier
+/// map has them and their words; the drive must stay where it is until then.
 void DescribeKeyframes(const BuildContext& context, DriveInWork& drive);
 /// Describes keyframes only to keep them for later maps: few are in memory at a time.
 void KeepKeyframes(const BuildContext& context, DriveInWork& drive);

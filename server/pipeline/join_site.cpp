@@ -45,8 +45,10 @@ std::vector<DriveToJoin> DescribeDrives(const BuildContext& context,
     else  // kept for maps that it is compared with, and drives that join it
       KeepKeyframes(context, drive);
     const DriveRefinement& refinement = drive.refinement.value;
-    to_join.push_back({refinement.odom_from_body, std::exchange(drive.keyframes.value, {}),
-                       drive.loops.value, drive.gnss, refinement.modes});
+    DriveKeyframes& found = drive.keyframes;
+    to_join.push_back({refinement.odom_from_body, std::move(found.keyframes), drive.loops.value,
+                       drive.gnss, refinement.modes, std::move(found.words),
+                       std::move(found.describe)});
   }
   return to_join;
 }
@@ -215,6 +217,7 @@ void JoinSite(const BuildContext& context, std::vector<DriveInWork>& drives, Bui
                                 drive.index, drive.review, drive.log->health().Warnings()});
       continue;
     }
+    drive.described.reset();
     has_gnss = has_gnss || drive.gnss;
     built.drives.push_back(OutcomeOf(drive));
     built.site.drives.push_back({drive.log->name(), drive.calibrated->rig(),

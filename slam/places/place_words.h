@@ -24,6 +24,11 @@ class PlaceWords {
   /// The words of each keyframe, ascending, each once.
   const std::vector<std::vector<std::uint32_t>>& of_keyframes() const { return of_keyframes_; }
 
+  template <typename Archive>
+  friend void Serialize(Archive& archive, PlaceWords& words) {
+    archive(words.of_keyframes_);
+  }
+
  private:
   std::vector<std::vector<std::uint32_t>> of_keyframes_;
 };

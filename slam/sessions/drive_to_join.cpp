@@ -2,7 +2,25 @@
 
 #include <algorithm>
 
+#include "core/error.h"
+
 namespace parkade {
+
+const std::vector<RigKeyframe>& DescribedDrives::KeyframesOf(size_t drive) {
+  const DriveToJoin& asked = drives_[drive];
+  if (!asked.describe) return asked.keyframes;
+  const auto [described, is_new] = described_.try_emplace(drive);
+  if (is_new) {
+    described->second = asked.describe();
+    Require(described->second.size() == asked.keyframes.size(), ErrorCode::kInternal,
+            "a drive has other keyframes than it describes");
+  }
+  return described->second;
+}
+
+PlaceWords DescribedDrives::WordsOf(size_t drive) {
+  return drives_[drive].words ? *drives_[drive].words : PlaceWords(KeyframesOf(drive));
+}
 
 int DrivePair::num_accepted() const {
   return static_cast<int>(

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <utility>
@@ -16,11 +17,32 @@ namespace parkade {
 /// One drive as it stands alone: loops closed and refined.
 struct DriveToJoin {
   Trajectory odom_from_body;  ///< final
-  std::vector<RigKeyframe>
-      keyframes;                      ///< all of them, see KeyframesAlong; a drive alone needs none
+  /// All of them, see KeyframesAlong; a drive alone needs none. With `describe` they only need to
+  /// lie where they are.
+  std::vector<RigKeyframe> keyframes;
   LoopClosure loops;                  ///< between these keyframes
   std::optional<GnssAlignment> gnss;  ///< all drives' in one datum
   CovarianceModes modes = {};         ///< how it may be off; empty: the random walk of AddKeyframes
+  std::optional<PlaceWords> words = {};  ///< of the keyframes; nothing: found where they are needed
+  /// The keyframes with what they show, which most drives of a site are not asked for; empty:
+  /// `keyframes` show it.
+  std::function<std::vector<RigKeyframe>()> describe = {};
+};
+
+/// What the keyframes of drives show, found when it is first asked for.
+class DescribedDrives {
+ public:
+  /// The drives are borrowed.
+  explicit DescribedDrives(const std::vector<DriveToJoin>& drives) : drives_(drives) {}
+
+  /// Throws Error{kInternal} where a drive describes other keyframes than it has.
+  const std::vector<RigKeyframe>& KeyframesOf(size_t drive);
+  /// The words of a drive, which cost less to ask for.
+  PlaceWords WordsOf(size_t drive);
+
+ private:
+  const std::vector<DriveToJoin>& drives_;
+  std::map<size_t, std::vector<RigKeyframe>> described_;
 };
 
 /// A link that was found, and that a reviewer rejected.

@@ -9,9 +9,9 @@ namespace {
 
 constexpr int kMinInliers = 6;  // fewer fix no pose, whatever a reviewer wants
 
-std::optional<SessionLoop> Measure(const LinkEnds& ends, const std::vector<DriveToJoin>& drives,
+std::optional<SessionLoop> Measure(const LinkEnds& ends, DescribedDrives& drives,
                                    const LoopOptions& loops, const SessionLoopOptions& options) {
-  const auto &a = drives[ends.drive_a].keyframes, &b = drives[ends.drive_b].keyframes;
+  const auto &a = drives.KeyframesOf(ends.drive_a), &b = drives.KeyframesOf(ends.drive_b);
   if (ends.keyframe_a >= a.size() || ends.keyframe_b >= b.size()) return std::nullopt;
   SessionLoop link =
       MeasureLink(a, b, {ends.keyframe_a, ends.keyframe_b, 0}, options, loops.relative_pose);
@@ -36,10 +36,11 @@ DrivePair& PairOf(const LinkEnds& ends, std::vector<DrivePair>& pairs) {
 void AddForcedLinks(const ReviewedLinks& reviewed, const std::vector<DriveToJoin>& drives,
                     const LoopOptions& loops, const SessionLoopOptions& options,
                     std::vector<DrivePair>& pairs) {
+  DescribedDrives described(drives);
   for (const LinkEnds& ends : reviewed.forced()) {
     DrivePair& pair = PairOf(ends, pairs);
     if (HasLink(pair, ends)) continue;
-    std::optional<SessionLoop> link = Measure(ends, drives, loops, options);
+    std::optional<SessionLoop> link = Measure(ends, described, loops, options);
     if (!link) continue;
     pair.is_forced.resize(pair.found.links.size());
     pair.is_forced.push_back(true);

@@ -31,7 +31,7 @@ class PairLinker {
  public:
   PairLinker(const std::vector<DriveToJoin>& drives, const LoopOptions& loops,
              const SessionLoopOptions& options, const PairFindings& known)
-      : drives_(drives), loops_(loops), options_(options), known_(known) {}
+      : drives_(drives), described_(drives), loops_(loops), options_(options), known_(known) {}
 
   void Link(const PairOfDrives& key) {
     if (!IsLinked(key)) found_.loops.emplace(key, LoopsOf(key));
@@ -61,13 +61,12 @@ class PairLinker {
   const PairFindings& findings() const { return found_; }
 
  private:
-  SessionLoops LoopsOf(const PairOfDrives& key) const {
+  SessionLoops LoopsOf(const PairOfDrives& key) {
     if (const auto known = known_.loops.find(key); known != known_.loops.end())
       return known->second;
-    const DriveToJoin &a = drives_[key.first], &b = drives_[key.second];
-    const GnssPrior prior = PriorOf(a, b);
-    return MatchSessions(a.keyframes, b.keyframes, options_, loops_.relative_pose, prior.a_from_b,
-                         prior.sigma);
+    const GnssPrior prior = PriorOf(drives_[key.first], drives_[key.second]);
+    return MatchSessions(described_.KeyframesOf(key.first), described_.KeyframesOf(key.second),
+                         options_, loops_.relative_pose, prior.a_from_b, prior.sigma);
   }
 
   double SimilarityOfPair(const PairOfDrives& key) {
@@ -79,10 +78,14 @@ class PairLinker {
   }
 
   const ComparedDrive& Compared(size_t drive) {
-    return compared_.try_emplace(drive, drives_[drive].keyframes).first->second;
+    const auto found = compared_.find(drive);
+    if (found != compared_.end()) return found->second;
+    const ComparedDrive compared(drives_[drive].keyframes, described_.WordsOf(drive));
+    return compared_.emplace(drive, compared).first->second;
   }
 
   const std::vector<DriveToJoin>& drives_;
+  DescribedDrives described_;
   const LoopOptions& loops_;
   const SessionLoopOptions& options_;
   const PairFindings& known_;

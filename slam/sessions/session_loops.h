@@ -30,9 +30,11 @@ std::vector<double> SharesOf(const std::vector<SessionLoop>& links,
 /// compared with.
 struct ComparedDrive {
   explicit ComparedDrive(const std::vector<RigKeyframe>& drive_keyframes)
-      : keyframes(&drive_keyframes), words(drive_keyframes) {}
+      : ComparedDrive(drive_keyframes, PlaceWords(drive_keyframes)) {}
+  ComparedDrive(const std::vector<RigKeyframe>& drive_keyframes, PlaceWords of_keyframes)
+      : keyframes(&drive_keyframes), words(std::move(of_keyframes)) {}
 
-  const std::vector<RigKeyframe>* keyframes;  ///< borrowed
+  const std::vector<RigKeyframe>* keyframes;  ///< borrowed; only where they lie is looked at
   PlaceWords words;
 };
 

@@ -58,6 +58,7 @@ class GroundFileTest : public ::testing::Test {
     observation.num_images = 14;
     observation.num_masks = 3;
     observation.warnings = {"a camera sees nothing"};
+    observation.placements = {{}, {.body_from_camera = {}, .time_shift = 0.25, .line_delay = 1e-5}};
     writer.Finish(observation);
     return patches;
   }
@@ -77,6 +78,9 @@ TEST_F(GroundFileTest, GivesBackEveryBit) {
   EXPECT_EQ(file->observation().num_masks, 3);
   EXPECT_EQ(file->observation().body_from_ground.translation.z(), -0.25);
   EXPECT_EQ(file->observation().warnings, std::vector<std::string>{"a camera sees nothing"});
+  ASSERT_EQ(file->observation().placements.size(), 2u);
+  EXPECT_EQ(file->observation().placements[1].time_shift, 0.25);
+  EXPECT_EQ(file->observation().placements[1].line_delay, 1e-5);
   ASSERT_EQ(file->patches().size(), patches.size());
   for (const size_t i : {11u, 0u, 5u}) {  // in any order
     const GroundPatch patch = file->Read(i, 7);

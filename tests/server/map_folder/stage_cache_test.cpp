@@ -69,6 +69,28 @@ TEST_F(StageProductsTest, PieceByPieceTheSameIsKept) {
   EXPECT_TRUE(ReadFile(root_.path() / "newest" / file) == ReadFile(old_map_ / "whole" / file));
 }
 
+TEST_F(StageProductsTest, WhatIsSharedUnreadIsFoundAndWhereDamagedComputedAgain) {
+  const std::string file = "drive/places.bin";
+  const auto compute = [&] { return "of " + first_key_; };
+  const auto never = []() -> std::string { throw std::logic_error("it is there already"); };
+  StageCache({}, old_map_).Get(file, first_key_, compute);
+  const StageCache cache(old_map_, new_map_);
+  EXPECT_FALSE(cache.ShareUnread(file, second_key_));
+  EXPECT_FALSE(std::filesystem::exists(new_map_ / file));
+  ASSERT_TRUE(cache.ShareUnread(file, first_key_));
+  EXPECT_EQ(cache.ReadShared(file, first_key_, never), compute());
+  EXPECT_EQ(std::filesystem::hard_link_count(new_map_ / file), 2U);
+
+  std::string damaged = ReadFile(old_map_ / file);
+  damaged.back() ^= 1;
+  std::filesystem::remove_all(new_map_);
+  std::filesystem::remove(old_map_ / file);
+  std::ofstream(old_map_ / file, std::ios::binary) << damaged;
+  ASSERT_TRUE(cache.ShareUnread(file, first_key_)) << "nobody looked";
+  EXPECT_EQ(cache.ReadShared(file, first_key_, compute), compute());
+  EXPECT_EQ(StageCache(new_map_, {}).Get(file, first_key_, never), compute());
+}
+
 TEST_F(StageProductsTest, ABuildThatWasEndedLeavesItsResultsToTheNext) {
   const std::filesystem::path work = root_.path() / "work", next = root_.path() / "next";
   const std::string places = "drive/places.bin";
@@ -105,6 +127,15 @@ TEST_F(StageProductsTest, ALinkReplacesItsOwnFileAndOthers) {
   LinkOrCopy(root_.path() / "a", root_.path() / "b");
   EXPECT_EQ(ReadFile(root_.path() / "b"), "one");
   EXPECT_EQ(ContentOf(root_.path()), (std::set<std::string>{"a", "b"}));
+}
+
+TEST_F(StageProductsTest, TheLastResultOfTheMapIsGivenWithItsKey) {
+  const StageCache first({}, old_map_), second(old_map_, new_map_);
+  EXPECT_EQ(second.LastOfMap("heights.bin"), std::nullopt);
+  first.Get("heights.bin", first_key_, [] { return "one"; });
+  first.Get("heights.bin", second_key_, [] { return "two"; });
+  EXPECT_EQ(second.LastOfMap("heights.bin"), std::pair(second_key_, std::string("two")));
+  EXPECT_EQ(first.LastOfMap("heights.bin"), std::nullopt) << "it starts from no map";
 }
 
 TEST_F(StageProductsTest, AFinishedMapGivesWhatItHolds) {

@@ -123,7 +123,7 @@ TEST_F(BuildMapTest, APreparedDriveIsNotWorkedOnAgain) {
   std::filesystem::remove_all(root_ / "preparation");
   const std::set<std::string> kept = ContentOf(root_ / "work" / "monday");
   for (const char* file : {"odometry.bin", "agreement.bin", "loops.bin", "refinement.bin",
-                           "residuals.bin", "places.bin", "ground.bin", "heights.bin"})
+                           "residuals.bin", "places.bin", "words.bin", "ground.bin", "heights.bin"})
     EXPECT_TRUE(kept.contains(file)) << file;
 
   const BuiltMap prepared = Build(drives, "prepared", "", "work");
@@ -131,6 +131,25 @@ TEST_F(BuildMapTest, APreparedDriveIsNotWorkedOnAgain) {
   EXPECT_TRUE(IsOdometryOfWork("prepared"));
   EXPECT_EQ(prepared.drives[0].refinement.seconds, 0) << "taken";
   ExpectSamePath(prepared, Build(drives, "plain"));
+}
+
+TEST_F(BuildMapTest, GroundAndHeightsOutlastARefinementThatMovesNothing) {
+  Drives drives;
+  drives.push_back(DriveThroughHall("monday", kDuration));
+  Progress progress(PlanPreparation(), {}), again(PlanPreparation(), {});
+  PrepareDrive(drives[0], options_, ScopeOf("first", "", "work"), progress);
+  MapOptions other = options_;
+  other.gnss.max_fix_sigma /= 2;  // the drive has no fixes, but is refined again
+
+  PrepareDrive(drives[0], other, ScopeOf("second", "", "work"), again);
+
+  const auto is_shared = [&](const std::string& file) {
+    return std::filesystem::equivalent(root_ / "first/monday" / file,
+                                       root_ / "second/monday" / file);
+  };
+  EXPECT_FALSE(is_shared("refinement.bin"));
+  EXPECT_TRUE(is_shared("ground.bin"));
+  EXPECT_TRUE(is_shared("heights.bin"));
 }
 
 TEST_F(BuildMapTest, ADriveThatCannotBeTrackedIsLeftOutWithAWarning) {

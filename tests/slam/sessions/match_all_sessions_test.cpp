@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
 #include "tests/slam/worlds/drive_world.h"
 
@@ -53,6 +54,40 @@ TEST(MatchAllSessions, OneMoreDriveCostsItsOwnPairsOnly) {
       EXPECT_EQ(again[i].found.links[k].pose.a_from_b.Matrix(),
                 afresh[i].found.links[k].pose.a_from_b.Matrix());
   }
+}
+
+TEST(MatchAllSessions, DrivesThatAreDescribedWhenAskedAreLinkedAlikeAndFewAreAsked) {
+  std::vector<DriveToJoin> drives = DrivesOf(DriveWorld(), 1, 5);
+  const SessionLoopOptions options = {.all_pairs_up_to = 2, .partners = 1};
+  PairFindings known = MatchAllSessions({drives.begin(), drives.end() - 1}, {}, options).findings;
+  const MatchedSessions whole = MatchAllSessions(drives, {}, options, known);
+
+  std::vector<DriveToJoin> bare = drives;
+  std::set<size_t> asked;
+  for (size_t i = 0; i + 1 < bare.size(); ++i) {
+    bare[i].words = PlaceWords(bare[i].keyframes);
+    for (RigKeyframe& keyframe : bare[i].keyframes) {
+      keyframe.features.clear();
+      keyframe.descriptors = cv::Mat();
+    }
+    bare[i].describe = [&, i] {
+      EXPECT_TRUE(asked.insert(i).second) << "described twice";
+      return drives[i].keyframes;
+    };
+  }
+  const MatchedSessions matched = MatchAllSessions(bare, {}, options, known);
+
+  EXPECT_EQ(matched.findings.similarities, whole.findings.similarities);
+  ASSERT_EQ(matched.pairs.size(), whole.pairs.size());
+  for (size_t i = 0; i < matched.pairs.size(); ++i) {
+    const std::vector<SessionLoop>&links = matched.pairs[i].found.links,
+          &expected = whole.pairs[i].found.links;
+    ASSERT_EQ(links.size(), expected.size());
+    for (size_t k = 0; k < links.size(); ++k)
+      EXPECT_EQ(links[k].pose.a_from_b.Matrix(), expected[k].pose.a_from_b.Matrix());
+  }
+  EXPECT_GT(asked.size(), 0u);
+  EXPECT_LT(asked.size(), 4u) << "those without new links are not described";
 }
 
 TEST(MatchAllSessions, ADriveOfAnotherPlaceStaysApart) {

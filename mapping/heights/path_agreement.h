@@ -1,0 +1,19 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/trajectory.h"
+
+namespace parkade {
+
+/// Poses of a path by which HoldAlong tells later whether it moved: one every two meters.
+std::vector<TimedPose> SparsePoses(const Trajectory& site_from_body);
+
+/// Whether heights that were measured along `before` hold along the path of today: poses within
+/// 12 m of each other, whose views measured a height together, lie to each other as they did, to
+/// 3 mm and 0.2 mrad. Where the path as a whole has moved or is bent slowly they do, and heights
+/// go with the poses that they are tied to (DriveHeight).
+bool HoldAlong(std::span<const TimedPose> before, const Trajectory& now);
+
+}  // namespace parkade

@@ -1,0 +1,75 @@
+#include "mapping/heights/path_agreement.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+namespace parkade {
+namespace {
+
+constexpr double kRadius = 8.0;    // [m] of the round
+constexpr double kDuration = 40;   // [s], two rounds
+constexpr double kFrequency = 10;  // [Hz]
+
+using Change = std::function<Rigid3(double)>;
+
+Rigid3 Turned(double angle, const Eigen::Vector3d& axis = Eigen::Vector3d::UnitZ()) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis)), Eigen::Vector3d::Zero()};
+}
+
+/// Two rounds; `change` moves the poses, as a function of time.
+Trajectory Rounds(const Change& change) {
+  std::vector<TrajectoryState> states;
+  for (int i = 0; i <= kDuration * kFrequency; ++i) {
+    const double t = i / kFrequency, angle = 4 * std::numbers::pi * t / kDuration;
+    TrajectoryState state;
+    state.time = TimestampFromSeconds(100 + t);
+    state.world_from_body =
+        change(t) * Turned(angle) * Rigid3{Eigen::Quaterniond::Identity(), {0, -kRadius, 0}};
+    states.push_back(state);
+  }
+  return Trajectory(std::move(states));
+}
+
+Trajectory AsItWas() {
+  return Rounds([](double) { return Rigid3{}; });
+}
+
+bool HoldAfter(const Change& change) { return HoldAlong(SparsePoses(AsItWas()), Rounds(change)); }
+
+TEST(HoldAlong, AsLongAsPosesNearEachOtherLieAsTheyDid) {
+  EXPECT_TRUE(HoldAfter([](double) { return Rigid3{}; }));
+  EXPECT_TRUE(HoldAfter([](double) {
+    return Rigid3{Eigen::Quaterniond::Identity(), {30, -20, 1}} * Turned(0.7);
+  })) << "all of it may lie elsewhere";
+  EXPECT_TRUE(HoldAfter([](double t) {
+    return Rigid3{Eigen::Quaterniond::Identity(), {0, 0, 0.002 * t / kDuration}};
+  })) << "two rounds come apart by 1 mm";
+  EXPECT_FALSE(HoldAfter([](double t) {
+    return Rigid3{Eigen::Quaterniond::Identity(), {0, 0, 0.01 * t / kDuration}};
+  })) << "by 5 mm";
+  EXPECT_FALSE(HoldAfter([](double t) {
+    return Rigid3{Eigen::Quaterniond::Identity(), {t > 20 ? 0.004 : 0, 0, 0}};
+  })) << "a step";
+  EXPECT_FALSE(HoldAfter([](double t) {
+    return Turned(0.001 * t / kDuration, Eigen::Vector3d::UnitX());
+  })) << "a twist by 0.5 mrad from one round to the next";
+}
+
+TEST(HoldAlong, NotWhereAPoseIsMissing) {
+  const std::vector<TimedPose> before = SparsePoses(AsItWas());
+  std::vector<TrajectoryState> states = AsItWas().states();
+  states.resize(states.size() / 2);
+  EXPECT_FALSE(HoldAlong(before, Trajectory(std::move(states))));
+  EXPECT_TRUE(HoldAlong({}, AsItWas()));
+}
+
+TEST(SparsePoses, AreTwoMetersApart) {
+  const std::vector<TimedPose> poses = SparsePoses(AsItWas());
+  EXPECT_NEAR(static_cast<double>(poses.size()), 4 * std::numbers::pi * kRadius / 2, 7);
+}
+
+}  // namespace
+}  // namespace parkade
