@@ -30,10 +30,10 @@ int NumViewsAfter(const std::map<int, int>& num_views, int rank) {
 
 }  // namespace
 
-LatestDrives::Square LatestDrives::SquareOf(const PatchView& view,
+LatestDrives::Square LatestDrives::SquareOf(double car_height,
                                             const Eigen::Vector2d& point_in_site) {
-  return {Index(view.site_from_body.translation.z() + 0.5 * kDeck, kDeck),
-          Index(point_in_site.y(), kSquare), Index(point_in_site.x(), kSquare)};
+  return {Index(car_height + 0.5 * kDeck, kDeck), Index(point_in_site.y(), kSquare),
+          Index(point_in_site.x(), kSquare)};
 }
 
 /// Calls `visit(square, middle)` for squares whose middle is looked at.
@@ -103,6 +103,12 @@ void LatestDrives::ChooseViews(const NumViews& num_views) {
 bool LatestDrives::HasSay(int rank, const Square& square) const {
   const auto oldest = oldest_.find(square);
   return oldest == oldest_.end() || rank >= oldest->second;
+}
+
+bool LatestDrives::HasSayAt(int drive, const Eigen::Vector3d& car_in_site) const {
+  const auto rank = ranks_.find(drive);
+  return rank == ranks_.end() ||
+         HasSay(rank->second, SquareOf(car_in_site.z(), car_in_site.head<2>()));
 }
 
 LatestDrives::Share LatestDrives::ShareOf(std::size_t index) const {

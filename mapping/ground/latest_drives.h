@@ -38,12 +38,19 @@ class LatestDrives {
   /// `index` is that of the view.
   Share ShareOf(std::size_t index) const;
 
+  /// Whether a drive has a say about the place of its car; one without views has it everywhere.
+  bool HasSayAt(int drive, const Eigen::Vector3d& car_in_site) const;
+
  private:
   using Square = std::tuple<int, int, int>;  // deck, y, x
   /// By square and rank of the drive.
   using NumViews = std::map<Square, std::map<int, int>>;
 
-  static Square SquareOf(const PatchView& view, const Eigen::Vector2d& point_in_site);
+  /// `car_height` [m] tells decks apart.
+  static Square SquareOf(double car_height, const Eigen::Vector2d& point_in_site);
+  static Square SquareOf(const PatchView& view, const Eigen::Vector2d& point_in_site) {
+    return SquareOf(view.site_from_body.translation.z(), point_in_site);
+  }
   template <typename Visitor>
   static void ForEachMiddle(const PatchView& view, const Visitor& visit);
   void FindOldest(const NumViews& num_views, int max_drives);

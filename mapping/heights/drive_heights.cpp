@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <tuple>
+#include <unordered_map>
 
 #include "core/log.h"
 #include "core/parallel.h"
@@ -149,14 +150,25 @@ class MeasuredSquares {
   PatchIndex index_;
 };
 
-/// Where a height lies now. Nothing where the path does not reach its time.
-std::optional<Eigen::Vector3d> PointInSite(const DriveHeight& height, const DrivenPath* path) {
-  const Eigen::Vector3d point = height.point_in_body.cast<double>();
-  if (path == nullptr) return point;
-  const std::optional<Rigid3> site_from_body = path->site_from_body.At(height.time);
-  if (!site_from_body) return std::nullopt;
-  return *site_from_body * point;
-}
+/// Where heights of a drive lie now. Many are tied to one pose.
+class TiedPoints {
+ public:
+  explicit TiedPoints(const DrivenPath* path) : path_(path) {}
+
+  /// Nothing where the path does not reach the height's time.
+  std::optional<Eigen::Vector3d> InSite(const DriveHeight& height) {
+    const Eigen::Vector3d point = height.point_in_body.cast<double>();
+    if (path_ == nullptr) return point;
+    const auto [found, is_new] = poses_.try_emplace(height.time.ns);
+    if (is_new) found->second = path_->site_from_body.At(height.time);
+    if (!found->second) return std::nullopt;
+    return *found->second * point;
+  }
+
+ private:
+  const DrivenPath* path_;
+  std::unordered_map<std::int64_t, std::optional<Rigid3>> poses_;
+};
 
 }  // namespace
 
@@ -236,9 +248,9 @@ std::vector<HeightObservation> PlanesOf(std::span<const DriveHeights> drives,
                                         const HeightOptions& options) {
   PlaneHeights planes(options.field);
   for (const DriveHeights& of_drive : drives) {
-    const DrivenPath* path = FindPath(paths, of_drive.drive);
+    TiedPoints points(FindPath(paths, of_drive.drive));
     for (const DriveHeight& plane : of_drive.planes)
-      if (const std::optional<Eigen::Vector3d> point = PointInSite(plane, path)) {
+      if (const std::optional<Eigen::Vector3d> point = points.InSite(plane)) {
         const double sigma = static_cast<double>(plane.sigma);
         planes.Add(*point, static_cast<double>(plane.weight), 1 / (sigma * sigma));
       }
@@ -254,9 +266,9 @@ HeightField FitHeights(std::span<const DriveHeights> drives, std::span<const Dri
   AddContactsOf(drives, paths, options, heights);
   std::vector<HeightObservation> swept;
   for (const DriveHeights& of_drive : drives) {
-    const DrivenPath* path = FindPath(paths, of_drive.drive);
+    TiedPoints points(FindPath(paths, of_drive.drive));
     for (const DriveHeight& height : of_drive.swept)
-      if (const std::optional<Eigen::Vector3d> point = PointInSite(height, path))
+      if (const std::optional<Eigen::Vector3d> point = points.InSite(height))
         swept.push_back(
             {*point, static_cast<double>(height.weight), static_cast<double>(height.sigma), true});
   }

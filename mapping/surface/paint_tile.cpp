@@ -123,7 +123,7 @@ void PaintDrives(const PatchSource& patches, std::span<const DrivenPath> paths,
       if (painter.IsInReach(views[end], path) && !latest.ShareOf(end).is_none())
         in_reach.push_back(end);
     if (!in_reach.empty()) painter.PaintDrive(patches, in_reach, path, &latest);
-    if (path) painter.MarkDriven(*path);
+    if (path) painter.MarkDriven(*path, &latest);
     unseen.erase(drive);
   }
   for (const int drive : unseen) painter.MarkDriven(*FindPath(paths, drive));

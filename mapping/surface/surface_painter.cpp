@@ -270,10 +270,10 @@ void SurfacePainter::PaintDrive(const PatchSource& patches, std::span<const size
   EndDrive();
 }
 
-void SurfacePainter::MarkDriven(const DrivenPath& path) {
+void SurfacePainter::MarkDriven(const DrivenPath& path, const LatestDrives* latest) {
   const bool is_known = path.contact.wheelbase > 0 && path.contact.track > 0;
   const WheelbaseFootprint car = is_known ? path.contact : kSmallestCar;
-  const double step = 4 * cell_size_, length = car.wheelbase + car.track + 1;
+  const double step = 2 * cell_size_, length = car.wheelbase + car.track + 1;
   // Every cell well inside of where the car stood last is marked already.
   const double rim = 2.5 * cell_size_, half_track = 0.5 * car.track;
   const Eigen::AlignedBox2d inside(Eigen::Vector2d(rim, rim - half_track),
@@ -286,6 +286,10 @@ void SurfacePainter::MarkDriven(const DrivenPath& path) {
     if (last && (state.world_from_body.translation - *last).norm() < step) continue;
     last = state.world_from_body.translation;
     if (reach_.isEmpty() || reach_.exteriorDistance(last->head<2>().eval()) > length) continue;
+    if (latest && !latest->HasSayAt(path.drive, *last)) {
+      stood_from_site.reset();
+      continue;
+    }
     const Rigid3 site_from_ground = state.world_from_body * path.body_from_ground;
     const Eigen::Affine2d stood_from_ground = stood_from_site
                                                   ? InPlane(*stood_from_site * site_from_ground)

@@ -43,8 +43,9 @@ class SurfacePainter {
   void PaintDrive(const PatchSource& patches, std::span<const size_t> indices,
                   const DrivenPath* path, const LatestDrives* latest = nullptr);
 
-  /// Where a car has been there is room for it. One of unknown size is taken for a very small one.
-  void MarkDriven(const DrivenPath& path);
+  /// Where a car has been there is room for it, and still is where its drive has a say. One of
+  /// unknown size is taken for a very small one.
+  void MarkDriven(const DrivenPath& path, const LatestDrives* latest = nullptr);
 
   /// A cell of the result with what has not yet been decided about it.
   struct PaintedCell {

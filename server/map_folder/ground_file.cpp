@@ -131,7 +131,7 @@ std::string GroundFile::Bytes(std::uint64_t offset, std::uint64_t size) const {
 }
 
 std::string GroundFile::HashOfPatches(std::uint64_t end) const {
-  constexpr std::uint64_t kPiece = std::uint64_t{1} << 20;
+  constexpr std::uint64_t kPiece = std::uint64_t{1} << 16;  // stays in the cache
   Sha256 hash;
   std::string piece(kPiece, '\0');
   for (std::uint64_t begin = kMagic.size() + kDigits; begin < end; begin += piece.size()) {

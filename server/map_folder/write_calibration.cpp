@@ -14,8 +14,10 @@ namespace fs = std::filesystem;
 /// The rig's own files, made beside `file` and gone with this object.
 class RigFiles {
  public:
-  RigFiles(const Rig& rig, const fs::path& file) : folder_(file.parent_path() / ".calibration") {
+  RigFiles(Rig rig, const fs::path& file) : folder_(file.parent_path() / ".calibration") {
     fs::create_directories(folder_);
+    for (RigCamera& camera : rig.cameras)
+      camera.mask.release();  // an image file of the rig's folder, not of the map's
     WriteRig(rig, folder_);
   }
   ~RigFiles() {
@@ -55,7 +57,6 @@ void WriteCalibration(const Rig& rig, const std::vector<CameraCalibration>& cali
   YAML::Node yaml = files.Load("camchain-imucam.yaml");
   for (size_t i = 0; i < rig.cameras.size(); ++i) {
     const RigCamera& camera = rig.cameras[i];
-    yaml[camera.name].remove("mask");  // an image file of the rig's folder, not of the map's
     yaml[camera.name]["status"] = "kept";
     if (i < calibration.size()) AddCalibration(calibration[i], yaml[camera.name]);
   }

@@ -26,6 +26,18 @@ TEST(LatestDrives, OfManyTheLatestCount) {
   EXPECT_TRUE(latest.ShareOf(5).is_none()) << "it need not be read";
 }
 
+TEST(LatestDrives, OfManyTheLatestSayWhereTheirCarsDrove) {
+  std::vector<PatchView> views;
+  for (int drive = 0; drive < 5; ++drive) AddDrive(drive, 0, views);
+  AddDrive(7, 3, views);
+  const LatestDrives latest(views, 3);
+  for (int drive = 0; drive < 5; ++drive)
+    EXPECT_EQ(latest.HasSayAt(drive, {5, 1, 0.2}), drive >= 2) << drive;
+  EXPECT_TRUE(latest.HasSayAt(0, {500, 1, 0})) << "nobody else looked there";
+  EXPECT_TRUE(latest.HasSayAt(7, {5, 1, 3})) << "on its deck";
+  EXPECT_TRUE(latest.HasSayAt(6, {5, 1, 0})) << "it has no views";
+}
+
 TEST(LatestDrives, WherePlacesAreSeldomLookedAtMoreDrivesCount) {
   std::vector<PatchView> views;
   for (int drive = 0; drive < 6; ++drive) AddDrive(drive, 0, views);
