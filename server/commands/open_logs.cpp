@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "core/files/binary_archive.h"
 #include "core/version.h"
 #include "server/ingest/drive/log_survey.h"
 #include "server/map_folder/stage_cache.h"
@@ -23,32 +22,13 @@ std::string KeyOfSurvey(const DriveInputs& inputs, const OpenLogOptions& options
   return KeyOf(parts);
 }
 
-/// The hash of a log. A log whose files are as they were when the earlier map was made is not read
-/// again for it.
-InputHash HashLog(const std::string& log, const std::string& drive, const StageCache& cache,
-                  const std::filesystem::path& left_out) {
-  const std::string stamp = StampInput(log, left_out);
-  if (stamp.empty()) return HashInput(log, left_out);
-  const std::filesystem::path path(log);
-  const std::string name = (path.has_filename() ? path : path.parent_path()).filename();
-  const std::string bytes = cache.Get(drive + "/log_hash.bin", KeyOf({name, stamp}), [&] {
-    InputHash hash = HashInput(log, left_out);
-    BinaryWriter writer;
-    writer(hash.bytes, hash.sha256);
-    return std::move(writer).Take();
-  });
-  InputHash hash{.name = name, .sha256 = {}};
-  BinaryReader{bytes}(hash.bytes, hash.sha256);
-  return hash;
-}
-
 /// The drives of one log, and what they are made from.
 std::pair<std::vector<std::unique_ptr<RecordedDrive>>, DriveInputs> OpenOne(
     const std::string& log, OpenLogOptions options, const BuildFolders& folders) {
   const StageCache cache(folders.from, folders.products, folders.work);
   DriveInputs inputs;
   options.keep_survey = [&](const std::string& drive, const std::function<std::string()>& find) {
-    inputs.log = HashLog(log, drive, cache, folders.out);
+    inputs.log = HashInput(log, folders.out);
     if (!options.rig_folder.empty()) inputs.rig = HashInput(options.rig_folder);
     return cache.Get(drive + "/survey.bin", KeyOfSurvey(inputs, options), find);
   };

@@ -1,11 +1,9 @@
 #include "server/map_folder/input_hash.h"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <map>
 
 #include "core/error.h"
@@ -16,8 +14,6 @@ namespace parkade {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::time_t kSettled = 3;  // [s] since the last change: file systems count in seconds
 
 InputHash HashFile(const fs::path& file) {
   std::error_code error;
@@ -46,18 +42,6 @@ std::map<std::string, fs::path> FilesIn(const fs::path& folder, const fs::path& 
   return files;
 }
 
-fs::path PlainPath(const fs::path& path) {
-  return path.has_filename() ? path : path.parent_path();  // "folder/"
-}
-
-/// The files of an input by their names in it.
-std::map<std::string, fs::path> FilesOf(const fs::path& plain, const fs::path& left_out) {
-  if (fs::is_directory(plain)) return FilesIn(plain, left_out);
-  std::map<std::string, fs::path> files = {{plain.filename().string(), plain}};
-  if (HasWal(plain)) files[NameOfWal(plain)] = plain.parent_path() / NameOfWal(plain);
-  return files;
-}
-
 /// Identifies several files by their names.
 InputHash HashFiles(const std::string& name, const std::map<std::string, fs::path>& files) {
   InputHash result{name, 0, ""};
@@ -74,29 +58,12 @@ InputHash HashFiles(const std::string& name, const std::map<std::string, fs::pat
 }  // namespace
 
 InputHash HashInput(const fs::path& path, const fs::path& left_out) {
-  const fs::path plain = PlainPath(path);
+  const fs::path plain = path.has_filename() ? path : path.parent_path();  // "folder/"
   const std::string name = plain.filename().string();
-  if (!fs::is_directory(plain) && !HasWal(plain)) return HashFile(plain);
-  return HashFiles(name, FilesOf(plain, left_out));
-}
-
-std::string StampInput(const fs::path& path, const fs::path& left_out) {
-  std::string stamps;
-  for (const auto& [name, file] : FilesOf(PlainPath(path), left_out)) {
-    struct stat status {};
-    Require(::stat(file.c_str(), &status) == 0, ErrorCode::kInvalidInput,
-            "'" + file.string() + "' cannot be read: " + std::strerror(errno));
-    if (std::time(nullptr) - status.st_mtim.tv_sec < kSettled) return {};
-    stamps += name;
-    for (const auto number :
-         {static_cast<std::int64_t>(status.st_dev), static_cast<std::int64_t>(status.st_ino),
-          static_cast<std::int64_t>(status.st_size),
-          static_cast<std::int64_t>(status.st_mtim.tv_sec),
-          static_cast<std::int64_t>(status.st_mtim.tv_nsec)})
-      stamps += " " + std::to_string(number);
-    stamps += "\n";
-  }
-  return stamps;
+  if (fs::is_directory(plain)) return HashFiles(name, FilesIn(plain, left_out));
+  if (!HasWal(plain)) return HashFile(plain);
+  const std::string wal = NameOfWal(plain);
+  return HashFiles(name, {{name, plain}, {wal, plain.parent_path() / wal}});
 }
 
 }  // namespace parkade

@@ -19,10 +19,4 @@ struct InputHash {
 /// to Throws Error{kInvalidInput} for a file that cannot be read.
 InputHash HashInput(const std::filesystem::path& path, const std::filesystem::path& left_out = {});
 
-/// Tells its files as they are from what they were before: by device, inode, size, and the time of
-/// the last change. Empty where one changed in the last seconds, since the next change may bear the
-/// same time. Parameters and errors as of HashInput.
-std::string StampInput(const std::filesystem::path& path,
-                       const std::filesystem::path& left_out = {});
-
 }  // namespace parkade

@@ -2,9 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
-
-#include "core/error.h"
 #include "core/files/file.h"
 #include "core/files/sha256.h"
 #include "tests/server/store/temporary_store.h"
@@ -62,28 +59,6 @@ TEST(InputHash, OfAFolderDoesNotCountTheMapThatIsMadeInIt) {
   EXPECT_NE(HashInput(folder).sha256, sha256);
   EXPECT_EQ(HashInput(folder, folder / "map").sha256, sha256);
   EXPECT_EQ(HashInput(folder / "", folder / "map" / "").sha256, sha256);
-}
-
-TEST(InputStamp, ChangesWithAnyFileAndIsEmptyForOneThatJustChanged) {
-  TemporaryRoot root;
-  const auto folder = root.path() / "drive", file = folder / "a";
-  std::filesystem::create_directories(folder);
-  const auto write = [&](std::string_view content, int seconds_ago) {
-    WriteFileAtomically(file, content);
-    std::filesystem::last_write_time(
-        file, std::filesystem::file_time_type::clock::now() - std::chrono::seconds(seconds_ago));
-  };
-  write("a", 0);
-  EXPECT_EQ(StampInput(file), "");
-  write("a", 100);
-  const std::string stamp = StampInput(folder);
-  EXPECT_NE(stamp, "");
-  EXPECT_EQ(StampInput(folder / ""), stamp);
-  EXPECT_EQ(StampInput(file), stamp) << "of the same file";
-  std::filesystem::last_write_time(
-      file, std::filesystem::last_write_time(file) + std::chrono::milliseconds(1));
-  EXPECT_NE(StampInput(folder), stamp);
-  EXPECT_THROW(StampInput(folder / "b"), Error);
 }
 
 }  // namespace
