@@ -203,7 +203,7 @@ std::string StageCache::Get(const std::string& file, const std::string& key,
                             const std::function<std::string()>& compute) const {
   std::optional<Found> found = FindResult(sources_, file, key);
   if (found && !to_.empty() && TakeOver(found->file, to_ / file)) return found->result;
-  const std::string result = found ? std::move(found->result) : compute();
+  std::string result = found ? std::move(found->result) : compute();
   if (to_.empty()) return result;
   Append(to_ / file, key, [&](const PieceSink& sink) { sink(result); });
   if (!found) Share(file);
@@ -234,7 +234,7 @@ bool StageCache::ShareUnread(const std::string& file, const std::string& key) co
 std::string StageCache::ReadShared(const std::string& file, const std::string& key,
                                    const std::function<std::string()>& compute) const {
   if (std::optional<std::string> whole = Find(file, key)) return std::move(*whole);
-  const std::string result = compute();
+  std::string result = compute();
   fs::remove(to_ / file);
   Append(to_ / file, key, [&](const PieceSink& sink) { sink(result); });
   Share(file);
