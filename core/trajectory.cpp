@@ -95,7 +95,7 @@ std::vector<TimedPose> ReadTum(const std::filesystem::path& file) {
     std::array<double, 7> values{};
     for (double& value : values) {
       std::string_view word = TakeWord(line);
-      if (word.starts_with('+')) word.remove_prefix(1);
+      if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
       const char* end = word.data() + word.size();
       const std::from_chars_result result = std::from_chars(word.data(), end, value);
       if (result.ec != std::errc() || result.ptr != end)

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kSquare = 4.0;   // [m]
 constexpr double kDeck = 3.0;     // [m]
+constexpr double kNear = 10.0;    // [m] from the car to the middle of a square
 constexpr int kEnoughViews = 24;  // of a square, at least
 // Views of a square that are chosen of a drive: fewer of the latest lose corners that others hide.
 constexpr int kViewsOfLatest = 64, kViewsOfEarlier = 12;
@@ -50,25 +51,45 @@ void LatestDrives::ForEachMiddle(const PatchView& view, const Visitor& visit) {
 }
 
 LatestDrives::LatestDrives(std::span<const PatchView> views, int max_drives) : views_(views) {
-  NumViews num_views;
+  NumViews num_views, num_near_views;
   for (const PatchView& view : views) {
     const int rank = ranks_.try_emplace(view.drive, static_cast<int>(ranks_.size())).first->second;
-    ForEachMiddle(view,
-                  [&](const Square& square, const Eigen::Vector2d&) { ++num_views[square][rank]; });
+    const Eigen::Vector2d place = view.site_from_body.translation.head<2>();
+    last_driven_[SquareOf(view, place)] = rank;
+    ForEachMiddle(view, [&](const Square& square, const Eigen::Vector2d& middle) {
+      ++num_views[square][rank];
+      if ((middle - place).norm() < kNear) ++num_near_views[square][rank];
+    });
   }
-  FindOldest(num_views, max_drives);
+  oldest_ = FindOldest(num_views, max_drives);
+  FindNear(num_near_views, max_drives);
   ChooseViews(num_views);
 }
 
-void LatestDrives::FindOldest(const NumViews& num_views, int max_drives) {
+std::map<LatestDrives::Square, int> LatestDrives::FindOldest(const NumViews& num_views,
+                                                             int max_drives) {
+  std::map<Square, int> oldest;
   for (const auto& [square, of_drives] : num_views) {
     int count = 0, sum = 0;
     for (auto drive = of_drives.rbegin(); drive != of_drives.rend(); ++drive) {
       sum += drive->second;
       if (++count < max_drives || sum < kEnoughViews) continue;
-      oldest_[square] = drive->first;
+      oldest[square] = drive->first;
       break;
     }
+  }
+  return oldest;
+}
+
+void LatestDrives::FindNear(const NumViews& num_near_views, int max_drives) {
+  const std::map<Square, int> oldest_near = FindOldest(num_near_views, max_drives);
+  for (const auto& [square, of_drives] : num_near_views) {
+    const auto oldest = oldest_.find(square);
+    const auto from = oldest_near.find(square);
+    if (oldest == oldest_.end()) continue;  // all count
+    for (const auto& [rank, count] : of_drives)
+      if (rank < oldest->second && (from == oldest_near.end() || rank >= from->second))
+        near_.emplace(square, rank);
   }
 }
 
@@ -102,13 +123,15 @@ void LatestDrives::ChooseViews(const NumViews& num_views) {
 
 bool LatestDrives::HasSay(int rank, const Square& square) const {
   const auto oldest = oldest_.find(square);
-  return oldest == oldest_.end() || rank >= oldest->second;
+  return oldest == oldest_.end() || rank >= oldest->second || near_.contains({square, rank});
 }
 
 bool LatestDrives::HasSayAt(int drive, const Eigen::Vector3d& car_in_site) const {
   const auto rank = ranks_.find(drive);
-  return rank == ranks_.end() ||
-         HasSay(rank->second, SquareOf(car_in_site.z(), car_in_site.head<2>()));
+  const Square square = SquareOf(car_in_site.z(), car_in_site.head<2>());
+  if (rank == ranks_.end() || HasSay(rank->second, square)) return true;
+  const auto last = last_driven_.find(square);
+  return last == last_driven_.end() || !HasSay(last->second, square);
 }
 
 LatestDrives::Share LatestDrives::ShareOf(std::size_t index) const {

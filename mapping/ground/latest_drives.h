@@ -3,8 +3,10 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <map>
+#include <set>
 #include <span>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "mapping/ground/patch_source.h"
@@ -12,11 +14,12 @@
 namespace parkade {
 
 /// Which views have a say in what a place looks like: those of the latest few drives that looked at
-/// it well, of each of them the nearest. What earlier drives saw would be outweighed anyway, since
-/// evidence is bounded, and so what a site costs is in proportion to its ground and not to the
-/// number of its drives. Asked of squares of 4 m, deck by deck; by where views reach, not by what
-/// they show. A view that looks at the middles of squares, but of none in which its drive has a
-/// say, is left out; one too small to look at any is kept.
+/// it well, and of the latest few that did so from near, of each of them the nearest. What earlier
+/// drives saw would be outweighed anyway, since evidence is bounded, and so what a site costs is in
+/// proportion to its ground and not to the number of its drives. Asked of squares of 4 m, deck by
+/// deck; by where views reach, not by what they show: from the next aisle much may hide a place
+/// from all of them. A view that looks at the middles of squares, but of none in which its drive
+/// has a say, is left out; one too small to look at any is kept.
 class LatestDrives {
  public:
   /// \param views  drive after drive, the latest last; borrowed
@@ -38,13 +41,16 @@ class LatestDrives {
   /// `index` is that of the view.
   Share ShareOf(std::size_t index) const;
 
-  /// Whether a drive has a say about the place of its car; one without views has it everywhere.
+  /// Whether it counts that a drive's car stood there: not where the latest car that drove there is
+  /// that of a drive that has a say, and this one has none. One without views counts everywhere.
   bool HasSayAt(int drive, const Eigen::Vector3d& car_in_site) const;
 
  private:
   using Square = std::tuple<int, int, int>;  // deck, y, x
   /// By square and rank of the drive.
   using NumViews = std::map<Square, std::map<int, int>>;
+  /// Square and rank of the drive.
+  using SquareOfDrive = std::pair<Square, int>;
 
   /// `car_height` [m] tells decks apart.
   static Square SquareOf(double car_height, const Eigen::Vector2d& point_in_site);
@@ -53,7 +59,8 @@ class LatestDrives {
   }
   template <typename Visitor>
   static void ForEachMiddle(const PatchView& view, const Visitor& visit);
-  void FindOldest(const NumViews& num_views, int max_drives);
+  static std::map<Square, int> FindOldest(const NumViews& num_views, int max_drives);
+  void FindNear(const NumViews& num_near_views, int max_drives);
   void ChooseViews(const NumViews& num_views);
   bool HasSay(int rank, const Square& square) const;
 
@@ -61,7 +68,9 @@ class LatestDrives {
   std::map<int, int> ranks_;  // of drives, in the order of the views
   std::map<Square, int>
       oldest_;  // rank of the first drive that counts; squares where all count are left out
-  std::vector<bool> is_chosen_;  // by view
+  std::set<SquareOfDrive> near_;       // earlier drives that count as they looked from near
+  std::map<Square, int> last_driven_;  // rank of the latest drive whose car stood there
+  std::vector<bool> is_chosen_;        // by view
 };
 
 }  // namespace parkade

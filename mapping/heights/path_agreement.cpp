@@ -1,15 +1,20 @@
 #include "mapping/heights/path_agreement.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <utility>
 
+#include "mapping/heights/measure_heights_options.h"
+
 namespace parkade {
 namespace {
 
-constexpr double kApart = 2.0;     // [m] between poses
-constexpr double kReach = 12.0;    // [m] between poses whose views measure a height together
+constexpr double kApart = 2.0;                                       // [m] between poses ...
+constexpr double kApartTurned = 0.3;                                 // [rad] ... or this
+constexpr double kReach = 2 * MeasureHeightsOptions().max_distance;  // [m] between such poses
+constexpr double kNear = 12.0;     // [m] between poses whose views share most of the ground
 constexpr double kMaxMove = 3e-3;  // [m] a third of what a height is known to at best
 constexpr double kMaxTurn = 2e-4;  // [rad]
 
@@ -43,7 +48,9 @@ class PoseSquares {
 };
 
 bool LieAlike(const Rigid3& a_from_b_before, const Rigid3& a_from_b_now) {
-  return (a_from_b_now.translation - a_from_b_before.translation).norm() <= kMaxMove &&
+  const double beyond = std::max(0.0, a_from_b_before.translation.norm() - kNear);
+  return (a_from_b_now.translation - a_from_b_before.translation).norm() <=
+             kMaxMove + kMaxTurn * beyond &&
          a_from_b_now.rotation.angularDistance(a_from_b_before.rotation) <= kMaxTurn;
 }
 
@@ -51,10 +58,13 @@ bool LieAlike(const Rigid3& a_from_b_before, const Rigid3& a_from_b_now) {
 
 std::vector<TimedPose> SparsePoses(const Trajectory& site_from_body) {
   std::vector<TimedPose> poses;
-  for (const TrajectoryState& state : site_from_body.states()) {
+  const std::vector<TrajectoryState>& states = site_from_body.states();
+  for (const TrajectoryState& state : states) {
     const Rigid3& pose = state.world_from_body;
-    if (poses.empty() ||
-        (pose.translation - poses.back().world_from_frame.translation).norm() >= kApart)
+    const bool is_last = &state == &states.back();
+    if (poses.empty() || is_last ||
+        (pose.translation - poses.back().world_from_frame.translation).norm() >= kApart ||
+        pose.rotation.angularDistance(poses.back().world_from_frame.rotation) >= kApartTurned)
       poses.push_back({state.time, pose});
   }
   return poses;

@@ -1,22 +1,18 @@
 #include "mapping/observation/camera_placement.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace parkade {
 namespace {
 
-constexpr double kMaxTurn = 1e-4;       // [rad]
-constexpr double kMaxMove = 1e-3;       // [m]
-constexpr double kMaxDelay = 2e-4;      // [s] at 3 m/s and 0.5 rad/s half a millimeter, 0.1 mrad
-constexpr double kMaxLineDelay = 5e-7;  // [s/row] of which an image has some hundred
+constexpr double kMaxTurn = 1e-4;  // [rad]
+constexpr double kMaxMove = 1e-3;  // [m]
 
 bool SeesAlike(const CameraPlacement& before, const CameraPlacement& now) {
   const Rigid3 moved = before.body_from_camera.Inverse() * now.body_from_camera;
   return Eigen::AngleAxisd(moved.rotation).angle() <= kMaxTurn &&
-         moved.translation.norm() <= kMaxMove &&
-         std::abs(now.time_shift - before.time_shift) <= kMaxDelay &&
-         std::abs(now.line_delay - before.line_delay) <= kMaxLineDelay;
+         moved.translation.norm() <= kMaxMove && now.time_shift == before.time_shift &&
+         now.line_delay == before.line_delay;
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 namespace parkade {
 
-/// Where a camera is mounted, and how its clock and its rows run: what the refinement of a drive
-/// changes about it.
+/// Where a camera is mounted, which the refinement of a drive changes, and how its clock and its
+/// rows run.
 struct CameraPlacement {
   Rigid3 body_from_camera;
   double time_shift = 0;  ///< [s] as of RigCamera
@@ -19,7 +19,7 @@ std::vector<CameraPlacement> PlacementsOf(const Rig& rig);
 
 /// Whether what cameras saw when they were believed to be at `before` still lies where cameras at
 /// `now` see it: they turned by 0.1 mrad at most, which moves ground 12 m away by 1.5 cm along the
-/// ray, and lie within 1 mm and 0.2 ms.
+/// ray, and lie within 1 mm. Clocks must be the same: by its time an image is found again.
 bool SeeAlike(std::span<const CameraPlacement> before, std::span<const CameraPlacement> now);
 
 }  // namespace parkade

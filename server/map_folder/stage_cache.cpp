@@ -19,8 +19,9 @@ namespace fs = std::filesystem;
 // each), size, result.
 constexpr std::string_view kMagic = "parkade stages 1\n";
 constexpr size_t kDigits = 64;
+constexpr std::uint64_t kHeadBytes = kMagic.size() + 2 * kDigits + sizeof(std::uint64_t);
 constexpr std::uint64_t kMaxBytes = std::uint64_t{16} << 30;
-constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 20;
+constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 16;  // stays in the processor's cache
 
 /// Reads a file of results one by one.
 class ProductReader {
@@ -28,6 +29,7 @@ class ProductReader {
   explicit ProductReader(const fs::path& file) : stream_(file, std::ios::binary) {
     std::string magic(kMagic.size(), ' ');
     is_good_ = stream_.read(magic.data(), std::ssize(magic)) && magic == kMagic;
+    if (is_good_) file_size_ = fs::file_size(file);
   }
 
   /// The next result's key; nothing at the end. Then either Read or Skip.
@@ -58,34 +60,43 @@ class ProductReader {
   }
   /// The result; nothing where it is not whole.
   std::optional<std::string> Read() {
-    std::string result;
-    if (Read([&result](std::string_view piece) { result += piece; })) return result;
-    return std::nullopt;
+    const auto begin = static_cast<std::uint64_t>(stream_.tellg());
+    if (begin + size_ > file_size_) return std::nullopt;
+    std::string result(size_, '\0');
+    if (!stream_.read(result.data(), std::ssize(result))) return std::nullopt;
+    Sha256 hash;
+    hash.Add(result);
+    return hash.Finish() == sum_ ? std::optional(std::move(result)) : std::nullopt;
   }
 
  private:
   std::ifstream stream_;
+  std::uint64_t file_size_ = 0;
   bool is_good_ = false;
   std::string sum_;
   std::uint64_t size_ = 0;
 };
 
-/// Hands on the result under the key, and before it its size to `expect`; says whether there is a
-/// whole one.
-bool FindInFile(const fs::path& file, const std::string& key, const PieceSink& sink,
-                const std::function<void(std::uint64_t)>& expect = {}) {
-  ProductReader reader(file);
+/// Comes to the result under the key; says whether there is one.
+bool FindKey(ProductReader& reader, const std::string& key) {
   while (const std::optional<std::string> found = reader.Next()) {
-    if (*found != key) {
-      reader.Skip();
-      continue;
-    }
-    if (expect) expect(reader.size());
-    if (reader.Read(sink)) return true;
-    LogWarning("a result of an earlier build in '" + file.string() +
-               "' is damaged; it is computed again");
-    return false;
+    if (*found == key) return true;
+    reader.Skip();
   }
+  return false;
+}
+
+void WarnOfDamage(const fs::path& file) {
+  LogWarning("a result of an earlier build in '" + file.string() +
+             "' is damaged; it is computed again");
+}
+
+/// Hands on the result under the key; says whether there is a whole one.
+bool FindInFile(const fs::path& file, const std::string& key, const PieceSink& sink) {
+  ProductReader reader(file);
+  if (!FindKey(reader, key)) return false;
+  if (reader.Read(sink)) return true;
+  WarnOfDamage(file);
   return false;
 }
 
@@ -98,13 +109,11 @@ struct Found {
 std::optional<Found> FindResult(const std::vector<fs::path>& folders, const std::string& file,
                                 const std::string& key) {
   for (const fs::path& folder : folders) {
-    Found found{folder / file, {}};
-    if (FindInFile(
-            found.file, key, [&](std::string_view piece) { found.result += piece; },
-            [&](std::uint64_t size) {
-              found.result.reserve(std::min<std::uint64_t>(size, fs::file_size(found.file)));
-            }))
-      return found;
+    ProductReader reader(folder / file);
+    if (!FindKey(reader, key)) continue;
+    if (std::optional<std::string> result = reader.Read())
+      return Found{folder / file, std::move(*result)};
+    WarnOfDamage(folder / file);
   }
   return std::nullopt;
 }
@@ -121,11 +130,10 @@ std::optional<std::pair<std::string, std::string>> LastKeyed(const fs::path& fil
   return result ? std::optional(std::pair(last, std::move(*result))) : std::nullopt;
 }
 
+/// Whether a file has one result and is as long as that says.
 bool HoldsOneResult(const fs::path& file) {
   ProductReader reader(file);
-  if (!reader.Next()) return false;
-  reader.Skip();
-  return !reader.Next();
+  return reader.Next() && fs::file_size(file) == kHeadBytes + reader.size();
 }
 
 /// Makes a copy where an older map shares the file.
@@ -182,11 +190,7 @@ StageCache::StageCache(fs::path from, fs::path to, fs::path work)
 bool StageCache::MapHas(const std::string& file, const std::string& key) const {
   if (from_.empty()) return false;
   ProductReader reader(from_ / file);
-  while (const std::optional<std::string> found = reader.Next()) {
-    if (*found == key) return true;
-    reader.Skip();
-  }
-  return false;
+  return FindKey(reader, key);
 }
 
 std::optional<std::pair<std::string, std::string>> StageCache::LastOfMap(
@@ -233,8 +237,9 @@ bool StageCache::ShareUnread(const std::string& file, const std::string& key) co
 
 std::string StageCache::ReadShared(const std::string& file, const std::string& key,
                                    const std::function<std::string()>& compute) const {
-  if (std::optional<std::string> whole = Find(file, key)) return std::move(*whole);
-  std::string result = compute();
+  std::optional<Found> found = FindResult(sources_, file, key);
+  if (found && found->file == from_ / file) return std::move(found->result);
+  std::string result = found ? std::move(found->result) : compute();
   fs::remove(to_ / file);
   Append(to_ / file, key, [&](const PieceSink& sink) { sink(result); });
   Share(file);

@@ -85,7 +85,7 @@ DriveResiduals ResidualsOf(const BuildContext& context, const DriveInWork& drive
 }
 
 std::string KeyOfKeyframes(const DriveInWork& drive) {
-  return KeyOf({drive.refinement.key, "places"});
+  return KeyOf({drive.refinement.key, "places", std::to_string(kKeyframesVersion)});
 }
 
 /// Keyframes are described by the odometry, as for loops, and only where loops did not do so
@@ -166,8 +166,8 @@ std::string KeyOfHeights(const StageCache& cache, const std::string& file,
 
 void CloseLoops(const BuildContext& context, DriveInWork& drive) {
   drive.review = ReviewFor(drive, context);
-  const std::string key =
-      KeyOf({drive.odometry.key, "loops", TextOf(context.options.loops), TextOf(drive.review)});
+  const std::string key = KeyOf({drive.odometry.key, "loops", std::to_string(kKeyframesVersion),
+                                 TextOf(context.options.loops), TextOf(drive.review)});
   const StageFile<LoopClosure> file{drive.log->name() + "/loops.bin", EncodeLoops, DecodeLoops};
   drive.described = std::make_shared<KeyframeStore>();
   drive.loops = Cached(context.cache, file, key, [&] {
@@ -231,8 +231,10 @@ void KeepKeyframes(const BuildContext& context, DriveInWork& drive) {
   context.cache.Keep(file, key, [&](const PieceSink& sink) {
     words = EncodeKeyframesAlong(context, drive, sink);
   });
-  if (words || context.cache.Find(words_file.name, key))
-    Cached(context.cache, words_file, key, [&words] { return words.value_or(PlaceWords()); });
+  if (words)
+    Cached(context.cache, words_file, key, [&words] { return *words; });
+  else if (const std::optional<std::string> known = context.cache.Find(words_file.name, key))
+    context.cache.Get(words_file.name, key, [&known] { return *known; });
   drive.described.reset();
 }
 
@@ -253,9 +255,15 @@ Keyed<std::shared_ptr<const GroundFile>> ObserveGround(const BuildContext& conte
   };
   const std::string name = log.name() + "/ground.bin";
   const std::filesystem::path file = to / name;
+  // What an unfinished build left may be of other decisions, and the map does not depend on it.
+  const auto is_seen_alike = [&](const std::filesystem::path& source,
+                                 const std::vector<CameraPlacement>& before) {
+    return source == context.scope.from ? SeeAlike(before, placements)
+                                        : BytesOf(before) == BytesOf(placements);
+  };
   for (const std::filesystem::path& source : context.cache.sources())
     if (std::shared_ptr<const GroundFile> taken = GroundFile::Open(source / name, key);
-        taken && SeeAlike(taken->observation().placements, placements)) {
+        taken && is_seen_alike(source, taken->observation().placements)) {
       LinkOrCopy(source / name, file);
       return keyed(std::move(taken));
     }

@@ -15,7 +15,10 @@ namespace {
 constexpr size_t kImagesPerBatch = 16;
 constexpr int kCell = 32;  // [px] corners are spread over cells of this size
 constexpr int kCornersPerCell = 6;
-constexpr double kPixelSigma = 0.7;     // [px] of a corner at full size
+constexpr double kPixelSigma = 0.7;  // [px] of a corner at full size
+constexpr float kOctave = 1.2F;      // from one size at which corners are looked for to the next
+constexpr double kCoarsest = 40;     // [px/rad] at which any camera's corners are looked for
+constexpr int kMinOctaves = 6, kMaxOctaves = 16;
 constexpr int kViewWidth = 200;         // [px] of a keyframe's images for people
 constexpr double kMaxImageDelay = 0.5;  // [s] an image may come after the moment of its keyframe
 
@@ -55,6 +58,20 @@ std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> corners, int max_coun
   return spread;
 }
 
+/// Half of them, where there are so many, from octave `shared` on.
+std::vector<cv::KeyPoint> SpreadOverSizes(std::vector<cv::KeyPoint> corners, int shared,
+                                          int max_count) {
+  if (shared <= 0) return Spread(std::move(corners), max_count);
+  const auto begin =
+      std::stable_partition(corners.begin(), corners.end(),
+                            [&](const cv::KeyPoint& corner) { return corner.octave >= shared; });
+  std::vector<cv::KeyPoint> chosen = Spread({corners.begin(), begin}, max_count / 2);
+  const std::vector<cv::KeyPoint> finer =
+      Spread({begin, corners.end()}, max_count - static_cast<int>(chosen.size()));
+  chosen.insert(chosen.end(), finer.begin(), finer.end());
+  return chosen;
+}
+
 /// What one image adds to its keyframe.
 struct DescribedImage {
   size_t keyframe = 0;
@@ -74,16 +91,25 @@ Eigen::Quaterniond UprightFromBody(const Trajectory& odom_from_body) {
   return RotationBetween(up_in_body, Eigen::Vector3d::UnitZ());
 }
 
+/// Cameras of all resolutions have their coarsest octave in common, so that corners that one of
+/// them sees at full size the other one finds at a smaller one.
+int NumOctaves(double pixels_per_radian) {
+  const double octaves = std::log(pixels_per_radian / kCoarsest) / std::log(kOctave);
+  return std::clamp(1 + static_cast<int>(std::lround(octaves)), kMinOctaves, kMaxOctaves);
+}
+
 DescribedImage Describe(const CameraFrame& frame, const CylinderView& view,
                         const Rigid3& keyframe_from_body, const Rigid3& body_from_camera,
                         const Eigen::Quaterniond& upright_from_body,
                         const KeyframeOptions& options) {
-  const cv::Ptr<cv::ORB> orb = cv::ORB::create(4 * options.max_features, 1.2F, 6, 16, 0, 2,
-                                               cv::ORB::HARRIS_SCORE, 31, /*fastThreshold=*/8);
+  const int num_octaves = NumOctaves(view.pixels_per_radian());
+  const cv::Ptr<cv::ORB> orb =
+      cv::ORB::create(4 * options.max_features, kOctave, NumOctaves(view.pixels_per_radian()), 16,
+                      0, 2, cv::ORB::HARRIS_SCORE, 31, /*fastThreshold=*/8);
   const cv::Mat image = view.Warp(frame.image);
   std::vector<cv::KeyPoint> corners;
   orb->detect(image, corners, view.usable());
-  corners = Spread(std::move(corners), options.max_features);
+  corners = SpreadOverSizes(std::move(corners), num_octaves - kMinOctaves, options.max_features);
   DescribedImage described;
   described.camera = frame.camera;
   described.time = frame.time;
@@ -98,7 +124,7 @@ DescribedImage Describe(const CameraFrame& frame, const CylinderView& view,
     feature.camera = frame.camera;
     feature.origin = origin;
     feature.bearing = keyframe_from_upright * view.BearingInUpright(corner.pt.x, corner.pt.y);
-    feature.sigma = kPixelSigma * std::pow(1.2, corner.octave) / view.pixels_per_radian();
+    feature.sigma = kPixelSigma * std::pow(kOctave, corner.octave) / view.pixels_per_radian();
     feature.image_point =
         view.ImagePoint(corner.pt.x, corner.pt.y).array() /
         Eigen::Array2f(static_cast<float>(frame.image.cols), static_cast<float>(frame.image.rows));

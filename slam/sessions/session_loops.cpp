@@ -69,6 +69,15 @@ std::vector<PlaceCandidate> FindCandidates(const ComparedDrive& drive_a,
   return candidates;
 }
 
+/// A drive's floors, and how much they show.
+struct JudgedFloors {
+  explicit JudgedFloors(const std::vector<RigKeyframe>& keyframes)
+      : floors(keyframes), within(CompareNeighbors(floors, keyframes)) {}
+
+  DriveFloors floors;
+  BevAgreement within;
+};
+
 /// The work of MatchSessions on one pair of drives.
 class DriveLinker {
  public:
@@ -142,19 +151,18 @@ class DriveLinker {
   /// car and spoil a drive's fit with itself, not with another day: one drive that shows its floor
   /// is enough.
   bool IsOnAnotherFloor(const std::vector<SessionLoop>& links) {
-    const DriveFloors floors_a(keyframes_a_), floors_b(keyframes_b_);
+    if (!floors_) floors_ = {JudgedFloors(keyframes_a_), JudgedFloors(keyframes_b_)};
+    const JudgedFloors &a = floors_->first, &b = floors_->second;
     BevEvidence& floor = result_.floor = {};
-    const BevAgreement within_a = CompareNeighbors(floors_a, keyframes_a_),
-                       within_b = CompareNeighbors(floors_b, keyframes_b_);
-    floor.within += within_a;
-    floor.within += within_b;
+    floor.within += a.within;
+    floor.within += b.within;
     floor.across = SumOverSome(links.size(), kMaxFloors, [&](size_t i) {
-      return CompareBevs(floors_a, links[i].keyframe_a, floors_b, links[i].keyframe_b,
+      return CompareBevs(a.floors, links[i].keyframe_a, b.floors, links[i].keyframe_b,
                          links[i].pose.a_from_b);
     });
-    for (const BevAgreement& agreement : {within_a, within_b, floor.across})
+    for (const BevAgreement& agreement : {a.within, b.within, floor.across})
       if (agreement.num_tiles < options_.min_floor_tiles) return false;
-    return std::max(within_a.share(), within_b.share()) > options_.telling_floor &&
+    return std::max(a.within.share(), b.within.share()) > options_.telling_floor &&
            floor.across.share() < options_.min_floor_share * floor.within.share();
   }
 
@@ -205,6 +213,7 @@ class DriveLinker {
   const RelativePoseOptions& relative_pose_;
   std::vector<SessionLoop> measured_;          ///< good ones only
   std::set<std::pair<size_t, size_t>> tried_;  ///< keyframes that were measured, good or not
+  std::optional<std::pair<JudgedFloors, JudgedFloors>> floors_;  ///< once they are asked for
   SessionLoops result_;
 };
 

@@ -16,8 +16,8 @@ namespace parkade {
 // equals what was written, except that the seconds of computing are 0. Reading throws
 // Error{kInvalidInput} for other bytes.
 
-/// Raised whenever one of the layouts, that of keyframe_bytes.h among them, or what a stage does
-/// with the same inputs, changes.
+/// Raised whenever one of the layouts, those of keyframe_bytes.h and place_words.h among them, or
+/// what a stage does with the same inputs, changes.
 constexpr int kStageResultsVersion = 9;
 
 std::string EncodeAgreement(SensorAgreement agreement);

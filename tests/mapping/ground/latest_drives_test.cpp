@@ -38,6 +38,43 @@ TEST(LatestDrives, OfManyTheLatestSayWhereTheirCarsDrove) {
   EXPECT_TRUE(latest.HasSayAt(6, {5, 1, 0})) << "it has no views";
 }
 
+/// As AddDrive, 40 views of a drive in an aisle along `y`, whose views reach 20 m to each side.
+void AddAisle(int drive, double y, std::vector<PatchView>& views) {
+  for (int i = 0; i < 40; ++i) {
+    PatchView& view = views.emplace_back();
+    view.drive = drive;
+    view.site_from_body.translation = Eigen::Vector3d(0.25 * i, y, 0);
+    view.extent = {Eigen::Vector2d(-10, y - 20), Eigen::Vector2d(20, y + 20)};
+  }
+}
+
+TEST(LatestDrives, InItsOwnAisleADriveCountsThoughOthersLookOverFromTheNext) {
+  std::vector<PatchView> views;
+  for (int drive = 0; drive < 3; ++drive) AddAisle(drive, 0, views);
+  for (int drive = 3; drive < 8; ++drive) AddAisle(drive, 16, views);
+  const LatestDrives latest(views, 2);
+  const auto counts = [&](int drive, const Eigen::Vector2d& place) {
+    for (size_t i = 0; i < views.size(); ++i)
+      if (views[i].drive == drive && latest.ShareOf(i).Counts(place)) return true;
+    return false;
+  };
+  for (int drive = 0; drive < 8; ++drive) {
+    EXPECT_EQ(counts(drive, {5, 2}), drive == 1 || drive == 2 || drive >= 6) << drive;
+    EXPECT_EQ(counts(drive, {5, 18}), drive >= 6) << drive;
+    EXPECT_EQ(latest.HasSayAt(drive, {5, 1, 0}), drive != 0 && (drive < 3 || drive > 5)) << drive;
+  }
+}
+
+TEST(LatestDrives, WhereALaneWasDrivenLastOthersThatLookedNowDoNotSayOtherwise) {
+  std::vector<PatchView> views;
+  AddAisle(0, 2, views);
+  for (int drive = 1; drive < 5; ++drive) AddAisle(drive, 6, views);
+  const LatestDrives latest(views, 2);
+  EXPECT_FALSE(latest.ShareOf(0).Counts({5, 2})) << "others saw it better";
+  EXPECT_TRUE(latest.HasSayAt(0, {5, 2, 0})) << "no later car drove there";
+  EXPECT_FALSE(latest.HasSayAt(1, {5, 6, 0}));
+}
+
 TEST(LatestDrives, WherePlacesAreSeldomLookedAtMoreDrivesCount) {
   std::vector<PatchView> views;
   for (int drive = 0; drive < 6; ++drive) AddDrive(drive, 0, views);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -58,6 +59,31 @@ TEST(HoldAlong, AsLongAsPosesNearEachOtherLieAsTheyDid) {
   })) << "a twist by 0.5 mrad from one round to the next";
 }
 
+/// Out along one aisle, and back along the next one, 16 m apart; that one lies higher by `lift`
+/// [m], the way to it goes up steadily.
+Trajectory Aisles(double lift) {
+  constexpr double kLength = 60, kApart = 16, kStep = 0.25;  // [m]
+  constexpr double kWay = 2 * kLength + kApart;
+  std::vector<TrajectoryState> states;
+  for (double s = 0; s <= kWay; s += kStep) {
+    const double across = std::clamp(s - kLength, 0.0, kApart);
+    TrajectoryState state;
+    state.time = TimestampFromSeconds(100 + s);
+    state.world_from_body =
+        Rigid3{Eigen::Quaterniond::Identity(),
+               {s < kLength ? s : std::min(kLength, kWay - s), across, lift * s / kWay}} *
+        Turned(std::numbers::pi * across / kApart);
+    states.push_back(state);
+  }
+  return Trajectory(std::move(states));
+}
+
+TEST(HoldAlong, NotWhereTheNextAisleMoved) {
+  const std::vector<TimedPose> before = SparsePoses(Aisles(0));
+  EXPECT_TRUE(HoldAlong(before, Aisles(0.003)));
+  EXPECT_FALSE(HoldAlong(before, Aisles(0.015))) << "views from both saw the ground between them";
+}
+
 TEST(HoldAlong, NotWhereAPoseIsMissing) {
   const std::vector<TimedPose> before = SparsePoses(AsItWas());
   std::vector<TrajectoryState> states = AsItWas().states();
@@ -69,6 +95,15 @@ TEST(HoldAlong, NotWhereAPoseIsMissing) {
 TEST(SparsePoses, AreTwoMetersApart) {
   const std::vector<TimedPose> poses = SparsePoses(AsItWas());
   EXPECT_NEAR(static_cast<double>(poses.size()), 4 * std::numbers::pi * kRadius / 2, 7);
+  EXPECT_EQ(poses.back().time, AsItWas().span().end);
+}
+
+TEST(SparsePoses, CloserWhereTheCarTurns) {
+  const Trajectory on_the_spot = Rounds([](double t) {
+    const double angle = 4 * std::numbers::pi * t / kDuration;
+    return Turned(angle) * Rigid3{Eigen::Quaterniond::Identity(), {0, kRadius, 0}} * Turned(-angle);
+  });
+  EXPECT_GT(SparsePoses(on_the_spot).size(), 40U);
 }
 
 }  // namespace

@@ -89,6 +89,27 @@ TEST_F(StageProductsTest, WhatIsSharedUnreadIsFoundAndWhereDamagedComputedAgain)
   ASSERT_TRUE(cache.ShareUnread(file, first_key_)) << "nobody looked";
   EXPECT_EQ(cache.ReadShared(file, first_key_, compute), compute());
   EXPECT_EQ(StageCache(new_map_, {}).Get(file, first_key_, never), compute());
+
+  std::filesystem::resize_file(old_map_ / file, damaged.size() - 1);
+  EXPECT_FALSE(StageCache(old_map_, root_.path() / "newer").ShareUnread(file, first_key_))
+      << "cut off";
+}
+
+TEST_F(StageProductsTest, WhatIsSharedDamagedIsTakenFromAnEarlierTry) {
+  const std::string file = "drive/places.bin";
+  const std::filesystem::path work = root_.path() / "work";
+  const auto compute = [&] { return "of " + first_key_; };
+  const auto never = []() -> std::string { throw std::logic_error("it is there already"); };
+  StageCache({}, old_map_).Get(file, first_key_, compute);
+  StageCache({}, work).Get(file, first_key_, compute);
+  std::string damaged = ReadFile(old_map_ / file);
+  damaged.back() ^= 1;
+  std::ofstream(old_map_ / file, std::ios::binary) << damaged;
+
+  const StageCache cache(old_map_, new_map_, work);
+  ASSERT_TRUE(cache.ShareUnread(file, first_key_));
+  EXPECT_EQ(cache.ReadShared(file, first_key_, never), compute());
+  EXPECT_EQ(StageCache(new_map_, {}).Get(file, first_key_, never), compute());
 }
 
 TEST_F(StageProductsTest, ABuildThatWasEndedLeavesItsResultsToTheNext) {

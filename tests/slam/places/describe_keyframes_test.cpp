@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
+#include "slam/places/estimate_rig_pose.h"
 #include "slam/places/triangulate_keyframes.h"
 #include "tests/slam/worlds/room_log.h"
 
@@ -43,6 +47,30 @@ TEST(DescribeKeyframes, KeyframeByKeyframeItGivesWhatAllAtOnceGive) {
   // Only some keyframes of the drive so far wait: they do not become more as the drive becomes
   // longer.
   for (size_t i = 0; i < keyframes.size(); ++i) EXPECT_LT(read_before[i], static_cast<int>(i) + 60);
+}
+
+std::vector<RigKeyframe> Described(const RoomLog& log, const KeyframeOptions& options) {
+  const std::vector<RigKeyframe> chosen = ChooseKeyframes(log.Truth(), options);
+  std::vector<RigKeyframe> keyframes;
+  DescribeKeyframes(log, log.Truth(), options, std::vector<bool>(chosen.size(), true), chosen,
+                    [&](RigKeyframe&& keyframe) { keyframes.push_back(std::move(keyframe)); });
+  return keyframes;
+}
+
+TEST(DescribeKeyframes, CamerasOfTwiceTheResolutionFindTheSameCorners) {
+  const KeyframeOptions options{.spacing = RoomLog::kStep - 1e-6};
+  const int once = std::numeric_limits<int>::max();
+  const std::vector<RigKeyframe> coarse = Described(RoomLog(5, once, 0.5), options),
+                                 fine = Described(RoomLog(5, once, 1), options);
+  ASSERT_EQ(coarse.size(), fine.size());
+  size_t num_right = 0;
+  for (size_t i = 0; i < coarse.size(); ++i)
+    for (const FeatureMatch& match : MatchKeyframes(coarse[i], fine[i], {})) {
+      const double cosine =
+          coarse[i].features[match.a].bearing.dot(fine[i].features[match.b].bearing);
+      num_right += cosine > std::cos(0.01);
+    }
+  EXPECT_GT(num_right, 26 * coarse.size());
 }
 
 }  // namespace

@@ -18,11 +18,15 @@ class RoomLog final : public DriveLog {
   static constexpr double kStep = 0.5;  ///< [m] and [s]
 
   /// After so many images the car is back where it began.
-  explicit RoomLog(int num_images, int images_per_lap = std::numeric_limits<int>::max())
-      : num_images_(num_images), images_per_lap_(images_per_lap) {
+  /// \param scale  of the images
+  explicit RoomLog(int num_images, int images_per_lap = std::numeric_limits<int>::max(),
+                   double scale = 0.5)
+      : num_images_(num_images),
+        images_per_lap_(images_per_lap),
+        camera_(SurroundFisheye().Scaled(scale), room_) {
     RigCamera& camera = rig_.cameras.emplace_back();
     camera.name = name_;
-    camera.model = SurroundFisheye().Scaled(0.5);
+    camera.model = SurroundFisheye().Scaled(scale);
     const Eigen::Matrix3d body_from_camera =
         (Eigen::Matrix3d() << 1, 0, 0, 0, 0, 1, 0, -1, 0).finished();  // looks along y, upright
     camera.body_from_camera = {Eigen::Quaterniond(body_from_camera), {0, 0, 1}};
@@ -73,7 +77,7 @@ class RoomLog final : public DriveLog {
   std::string name_ = "cam0";
   Rig rig_;
   RenderedRoom room_{{-5, -2, 0}, {60, 4, 3}, 3};
-  RoomCamera camera_{SurroundFisheye().Scaled(0.5), room_};
+  RoomCamera camera_;
   mutable int num_read_ = 0;
 };
 
