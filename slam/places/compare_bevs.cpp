@@ -15,6 +15,7 @@ constexpr int kSquares = 5;  // ... in each direction
 constexpr int kReach = kSquare * kSquares / 2;
 constexpr double kMinTileSeen = 0.8;
 constexpr double kMinSearchSeen = 0.7;
+constexpr double kMostAlike = 0.5;  // of a tile with its own surroundings: joints and lines repeat
 constexpr size_t kMaxNeighbors = 16;
 constexpr double kMaxContrast = 1.5;
 constexpr double kContrastSigma = 12;  // cells
@@ -36,11 +37,27 @@ double ShareSeen(const cv::Mat& is_seen) {
   return static_cast<double>(cv::countNonZero(is_seen)) / static_cast<double>(is_seen.total());
 }
 
+/// How well a tile fits at each shift within what is searched.
+cv::Mat FitsOf(const cv::Mat& searched, const cv::Mat& tile) {
+  cv::Mat fits;
+  cv::matchTemplate(searched, tile, fits, cv::TM_CCORR_NORMED);
+  return fits;
+}
+
 /// Whether the square in the middle holds the highest agreement of all.
 bool FitsBestInTheMiddle(const cv::Mat& agreement) {
   cv::Point best;
   cv::minMaxLoc(agreement, nullptr, nullptr, nullptr, &best);
   return best.x / kSquare == kSquares / 2 && best.y / kSquare == kSquares / 2;
+}
+
+/// Whether a tile fits its own surroundings badly everywhere but in the middle square.
+bool IsDistinct(cv::Mat own_agreement) {
+  constexpr int kMiddle = kSquare * (kSquares / 2);
+  own_agreement(cv::Rect(kMiddle, kMiddle, kSquare, kSquare)) = 0;
+  double most = 0;
+  cv::minMaxLoc(own_agreement, nullptr, &most);
+  return most < kMostAlike;
 }
 
 }  // namespace
@@ -63,7 +80,8 @@ DriveFloors::DriveFloors(const std::vector<RigKeyframe>& keyframes)
 BevAgreement CompareBevs(const DriveFloors& a, size_t keyframe_a, const DriveFloors& b,
                          size_t keyframe_b, const Rigid3& a_from_b) {
   BevAgreement agreement;
-  if (a.pattern(keyframe_a).empty() || b.pattern(keyframe_b).empty()) return agreement;
+  const cv::Mat& own = a.pattern(keyframe_a);
+  if (own.empty() || b.pattern(keyframe_b).empty()) return agreement;
   const cv::Matx23f move = MoveOfFloor(a_from_b);
   cv::Mat other, is_seen;
   cv::warpAffine(b.pattern(keyframe_b), other, move, kFloorSize, cv::INTER_LINEAR,
@@ -75,12 +93,11 @@ BevAgreement CompareBevs(const DriveFloors& a, size_t keyframe_a, const DriveFlo
       const cv::Rect tile(x, y, kTile, kTile);
       const cv::Rect search(x - kReach, y - kReach, kTile + 2 * kReach, kTile + 2 * kReach);
       if (ShareSeen(a.is_seen(keyframe_a)(tile)) < kMinTileSeen ||
-          ShareSeen(is_seen(search)) < kMinSearchSeen)
+          ShareSeen(is_seen(search)) < kMinSearchSeen ||
+          !IsDistinct(FitsOf(own(search), own(tile))))
         continue;
-      cv::Mat fits;
-      cv::matchTemplate(other(search), a.pattern(keyframe_a)(tile), fits, cv::TM_CCORR_NORMED);
       ++agreement.num_tiles;
-      if (FitsBestInTheMiddle(fits)) ++agreement.num_best;
+      if (FitsBestInTheMiddle(FitsOf(other(search), own(tile)))) ++agreement.num_best;
     }
   }
   return agreement;

@@ -45,7 +45,8 @@ struct BevEvidence {
 
 /// Lays the floor of one keyframe on that of another: tiles of 1.6 m of the first are looked for in
 /// the second within 1.35 m of where `a_from_b` puts them, in 25 squares of 0.55 m. By chance the
-/// middle one is the best for one tile in 25.
+/// middle one is the best for one tile in 25. Tiles that look like their own surroundings do not
+/// count.
 BevAgreement CompareBevs(const DriveFloors& a, size_t keyframe_a, const DriveFloors& b,
                          size_t keyframe_b, const Rigid3& a_from_b);
 

@@ -36,7 +36,7 @@ struct SessionLoopOptions {
   double telling_floor =
       0.3;  ///< share of a drive's tiles that fit its own next keyframe; less in both tells nothing
   double min_floor_share =
-      0.45;  ///< of the share that fits within the drives, must fit between them
+      0.5;  ///< of the share that fits within the drives, must fit between them
   int all_pairs_up_to =
       6;  ///< drives; if there are more, not every pair is linked, but each drive with ...
   int partners = 3;  ///< ... these many that look most like it, and more where drives stay apart

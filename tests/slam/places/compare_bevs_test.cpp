@@ -76,6 +76,27 @@ TEST(CompareBevs, ALinkThatIsAMeterOffDoesNotFit) {
   EXPECT_LT(Compare(DriveOver(kRoom, {}), DriveOver(kRoom, {}), {{}, {0.7, 0.7, 0}}).share(), 0.1);
 }
 
+TEST(CompareBevs, JointsOfPlatesTellNothing) {
+  const auto with_joints = [](FloorDrive drive) {  // every 1.1 m, on any floor
+    for (size_t i = 0; i < kNumPlaces; ++i)
+      for (int row = 0; row < kFloorSize.height; ++row)
+        for (int column = 0; column < kFloorSize.width; ++column) {
+          const Eigen::Vector3d cell(kFloorFront - (row + 0.5) * kFloorCell,
+                                     kFloorLeft - (column + 0.5) * kFloorCell, 0);
+          const Eigen::Vector3d place = drive.room_from_keyframe[i] * cell;
+          uchar& gray = drive.keyframes[i].floor.at<uchar>(row, column);
+          const auto is_joint = [](double at) { return at / 1.1 - std::floor(at / 1.1) < 0.15; };
+          if (gray != 0 && (is_joint(place.x()) || is_joint(place.y()))) gray = 115;
+        }
+    return drive;
+  };
+  const FloorDrive bare = with_joints(DriveOver(kRoom, {}, 0)),
+                   stained = with_joints(DriveOver(kRoom, {}));
+  EXPECT_LT(Compare(bare, bare).num_tiles, 12) << "it fits at nine places";
+  EXPECT_GT(Compare(stained, stained).num_tiles, 80);
+  EXPECT_GT(Compare(stained, stained).share(), 0.9);
+}
+
 TEST(CompareBevs, TheOwnCarIsNoFloor) {
   const auto with_a_bonnet = [](FloorDrive drive) {
     for (RigKeyframe& keyframe : drive.keyframes)
