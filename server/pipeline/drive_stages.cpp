@@ -11,6 +11,7 @@
 #include "mapping/heights/path_agreement.h"
 #include "mapping/networks/builtin_network.h"
 #include "server/map_folder/heights_file.h"
+#include "server/pipeline/kept_odometry.h"
 #include "slam/georeference/gnss_doubts.h"
 #include "slam/loops/close_loops.h"
 #include "slam/places/describe_keyframes.h"
@@ -72,12 +73,13 @@ LoopReview ReviewFor(const DriveInWork& drive, const BuildContext& context) {
   return review;
 }
 
-/// The drive is refined, and has its measurements still.
-DriveResiduals ResidualsOf(const BuildContext& context, const DriveInWork& drive) {
+/// The drive is refined.
+DriveResiduals ResidualsOf(const BuildContext& context, DriveInWork& drive) {
   const StageFile<DriveResiduals> file{drive.log->name() + "/residuals.bin", EncodeResiduals,
                                        DecodeResiduals};
   return Cached(context.cache, file, KeyOf({drive.refinement.key, "residuals"}),
                 [&] {
+                  LoadMeasurements(context.scope, *drive.log, drive.odometry.value);
                   return MeasureResiduals(drive.odometry.value, drive.log->rig(),
                                           drive.refinement.value, context.options.refinement);
                 })
@@ -190,6 +192,7 @@ void Refine(const BuildContext& context, DriveInWork& drive) {
       drive.log->name() + kRefinementFile, EncodeRefinement,
       [&](std::string_view bytes) { return DecodeRefinement(bytes, odometry.rig); }};
   drive.refinement = Cached(context.cache, file, key, [&] {
+    LoadMeasurements(context.scope, *drive.log, odometry);
     return RefineDrive(odometry, drive.log->rig(), drive.loops.value, context.options.refinement,
                        gnss);
   });

@@ -38,8 +38,15 @@ std::string KeyOfInputs(const RecordedDrive& log, const BuildContext& context) {
                 TrackedBy(log, context)});
 }
 
-OdometryResult ReadOdometryOf(const RecordedDrive& log, const fs::path& file) {
-  OdometryResult odometry = ReadOdometry(file, log.rig());
+std::string KeyOfStored(const std::string& hash) {
+  return KeyOf({kVersion, std::to_string(kStageResultsVersion), hash});
+}
+
+/// \param is_whole  its bytes are known to be right: then what may never be asked for stays unread
+OdometryResult ReadOdometryOf(const RecordedDrive& log, const fs::path& file,
+                              bool is_whole = false) {
+  OdometryResult odometry =
+      is_whole ? ReadOdometryAlone(file, log.rig()) : ReadOdometry(file, log.rig());
   const TimeSpan stored = odometry.odom_from_body.span(), recorded = log.span();
   Require(recorded.Contains(stored.begin) && recorded.Contains(stored.end),
           ErrorCode::kInvalidInput, "it is of another log");
@@ -54,7 +61,10 @@ std::optional<TakenOdometry> TakeFromMap(const RecordedDrive& log, const BuildCo
           "it is of another log");
   Require(context.from->OdometryFingerprint(log.name()) == TrackedBy(log, context),
           ErrorCode::kInvalidInput, "it was tracked with other options or from other streams");
-  return TakenOdometry{ReadOdometryOf(log, file), file, true};
+  const bool is_whole = !context.scope.products.empty() &&
+                        context.cache.MapHas(log.name() + kAgreementFile,
+                                             KeyOfAgreement(KeyOfStored(Sha256OfFile(file))));
+  return TakenOdometry{ReadOdometryOf(log, file, is_whole), file, true};
 }
 
 std::optional<TakenOdometry> TakeFromWork(const RecordedDrive& log, const BuildContext& context) {
@@ -95,7 +105,17 @@ void StoreOdometry(const OdometryResult& odometry, const std::optional<fs::path>
 std::string KeyOfOdometry(const BuildScope& scope, const DriveLog& log) {
   const std::string stored =
       scope.products.empty() ? "" : Sha256OfFile(scope.products / log.name() / kOdometryFile);
-  return KeyOf({kVersion, std::to_string(kStageResultsVersion), stored});
+  return KeyOfStored(stored);
+}
+
+std::string KeyOfAgreement(const std::string& key_of_odometry) {
+  return KeyOf({key_of_odometry, "agreement"});
+}
+
+void LoadMeasurements(const BuildScope& scope, const DriveLog& log, OdometryResult& odometry) {
+  if (!odometry.measurements)
+    odometry.measurements =
+        ReadOdometry(scope.products / log.name() / kOdometryFile, log.rig()).measurements;
 }
 
 }  // namespace parkade

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "server/ingest/drive/recorded_drive.h"
 #include "server/pipeline/build_context.h"
@@ -11,7 +12,7 @@ namespace parkade {
 
 /// Odometry that an earlier build found.
 struct TakenOdometry {
-  OdometryResult odometry;
+  OdometryResult odometry;  ///< may be without measurements, see LoadMeasurements
   std::filesystem::path file;
   bool is_of_map = false;  ///< of the finished map to start from, not of a build that was ended
 };
@@ -26,7 +27,14 @@ void StoreOdometry(const OdometryResult& odometry,
                    const std::optional<std::filesystem::path>& taken, const RecordedDrive& log,
                    const BuildContext& context);
 
+/// Reads the measurements of odometry that was taken without.
+void LoadMeasurements(const BuildScope& scope, const DriveLog& log, OdometryResult& odometry);
+
 /// The key of all that stages depend on which begin with this drive's stored odometry.
 std::string KeyOfOdometry(const BuildScope& scope, const DriveLog& log);
+
+/// How its sensors agree, the first stage after it: the file, beside the drive's name, and the key.
+constexpr const char* kAgreementFile = "/agreement.bin";
+std::string KeyOfAgreement(const std::string& key_of_odometry);
 
 }  // namespace parkade

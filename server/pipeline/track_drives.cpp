@@ -20,9 +20,10 @@ DriveInWork TrackDrive(const RecordedDrive& log, const BuildContext& context,
     StoreOdometry(drive.odometry.value, std::nullopt, log, context);
   }
   drive.odometry.key = KeyOfOdometry(context.scope, log);
-  const StageFile<SensorAgreement> file{log.name() + "/agreement.bin", EncodeAgreement,
+  const StageFile<SensorAgreement> file{log.name() + kAgreementFile, EncodeAgreement,
                                         DecodeAgreement};
-  drive.agreement = Cached(context.cache, file, KeyOf({drive.odometry.key, "agreement"}), [&] {
+  drive.agreement = Cached(context.cache, file, KeyOfAgreement(drive.odometry.key), [&] {
+                      LoadMeasurements(context.scope, log, drive.odometry.value);
                       return MeasureSensorAgreement(drive.odometry.value);
                     }).value;
   return drive;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <memory>
+#include <optional>
 
 #include "core/files/appended_file.h"
 #include "core/files/file.h"
@@ -194,13 +195,13 @@ Rig Calibrated(const Rig& rig, const std::vector<StoredCamera>& cameras) {
   return calibrated;
 }
 
+/// All but the measurements, which come last.
 OdometryResult ReadContent(FileReader& content, const Rig& rig) {
   OdometryResult odometry;
   std::vector<StoredCamera> cameras;
   content(odometry.odom_from_body, odometry.keyframes, odometry.landmarks, cameras,
           odometry.report);
   odometry.rig = Calibrated(rig, cameras);
-  odometry.measurements = ReadMeasurements(content, rig.imu);
   return odometry;
 }
 
@@ -212,6 +213,42 @@ Checksum ChecksumOf(std::ifstream& stream) {
     checksum.Add({piece.data(), static_cast<size_t>(stream.gcount())});
   return checksum;
 }
+
+/// A file whose head says that it holds odometry of a drive with this rig.
+class OpenFile {
+ public:
+  OpenFile(const std::filesystem::path& file, const Rig& rig)
+      : stream_(file, std::ios::binary), name_("'" + file.filename().string() + "' ") {
+    Require(stream_.good(), ErrorCode::kNotFound, "cannot read '" + file.string() + "'");
+    std::string magic(kMagic.size(), '\0');
+    stream_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+    Require(magic == kMagic, ErrorCode::kInvalidInput, name_ + "holds no odometry");
+    content_.emplace(stream_, std::filesystem::file_size(file) - kMagic.size());
+    (*content_)(head_);
+    Require(head_.version == kVersion, ErrorCode::kInvalidInput,
+            name_ + "is of version " + std::to_string(head_.version) + ", this program reads " +
+                std::to_string(kVersion) + ": track the drive again");
+    Require(head_.fingerprint == FingerprintOf(rig), ErrorCode::kInvalidInput,
+            name_ + "was made with another calibration");
+  }
+
+  /// Before anything of the content is read.
+  void Check() {
+    const auto begin = stream_.tellg();
+    Require(ChecksumOf(stream_).sum() == head_.checksum, ErrorCode::kInvalidInput,
+            name_ + "is damaged");
+    stream_.clear();
+    stream_.seekg(begin);
+  }
+  FileReader& content() { return *content_; }
+  const std::string& name() const { return name_; }  ///< quoted, and a space
+
+ private:
+  std::ifstream stream_;
+  std::string name_;
+  std::optional<FileReader> content_;
+  Head head_;
+};
 
 std::string EncodedHead(Head head) {
   BinaryWriter writer;
@@ -245,28 +282,18 @@ void WriteOdometry(const OdometryResult& odometry, const Rig& rig,
 }
 
 OdometryResult ReadOdometry(const std::filesystem::path& file, const Rig& rig) {
-  std::ifstream stream(file, std::ios::binary);
-  Require(stream.good(), ErrorCode::kNotFound, "cannot read '" + file.string() + "'");
-  const std::string name = "'" + file.filename().string() + "' ";
-  std::string magic(kMagic.size(), '\0');
-  stream.read(magic.data(), static_cast<std::streamsize>(magic.size()));
-  Require(magic == kMagic, ErrorCode::kInvalidInput, name + "holds no odometry");
-  const std::uint64_t num_bytes = std::filesystem::file_size(file) - kMagic.size();
-  FileReader reader(stream, num_bytes);
-  Head head;
-  reader(head);
-  Require(head.version == kVersion, ErrorCode::kInvalidInput,
-          name + "is of version " + std::to_string(head.version) + ", this program reads " +
-              std::to_string(kVersion) + ": track the drive again");
-  Require(head.fingerprint == FingerprintOf(rig), ErrorCode::kInvalidInput,
-          name + "was made with another calibration");
-  const auto begin = stream.tellg();
-  Require(ChecksumOf(stream).sum() == head.checksum, ErrorCode::kInvalidInput, name + "is damaged");
-  stream.clear();
-  stream.seekg(begin);
-  OdometryResult odometry = ReadContent(reader, rig);
-  Require(reader.is_at_end(), ErrorCode::kInvalidInput, name + "is longer than it says");
+  OpenFile opened(file, rig);
+  opened.Check();
+  OdometryResult odometry = ReadContent(opened.content(), rig);
+  odometry.measurements = ReadMeasurements(opened.content(), rig.imu);
+  Require(opened.content().is_at_end(), ErrorCode::kInvalidInput,
+          opened.name() + "is longer than it says");
   return odometry;
+}
+
+OdometryResult ReadOdometryAlone(const std::filesystem::path& file, const Rig& rig) {
+  OpenFile opened(file, rig);
+  return ReadContent(opened.content(), rig);
 }
 
 }  // namespace parkade

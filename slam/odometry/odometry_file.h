@@ -18,4 +18,8 @@ void WriteOdometry(const OdometryResult& odometry, const Rig& rig,
 /// calibration.
 OdometryResult ReadOdometry(const std::filesystem::path& file, const Rig& rig);
 
+/// The same without the measurements, which are most of it, for a file that is known to be whole:
+/// its checksum is not asked.
+OdometryResult ReadOdometryAlone(const std::filesystem::path& file, const Rig& rig);
+
 }  // namespace parkade

@@ -57,6 +57,21 @@ TEST_F(OdometryFile, ReadAndWrittenAgainItHasTheSameBytes) {
   EXPECT_TRUE(ReadFile(file_) == bytes);
 }
 
+TEST_F(OdometryFile, AloneItIsTheSameWithoutMeasurements) {
+  const TrackedDrive& tracked = Tracked();
+  WriteOdometry(tracked.odometry, tracked.drive.rig, file_);
+  const OdometryResult whole = ReadOdometry(file_, tracked.drive.rig);
+  OdometryResult alone = ReadOdometryAlone(file_, tracked.drive.rig);
+  EXPECT_FALSE(alone.measurements);
+  alone.measurements = whole.measurements;
+  const std::string bytes = ReadFile(file_);
+  WriteOdometry(alone, tracked.drive.rig, file_);
+  EXPECT_TRUE(ReadFile(file_) == bytes);
+
+  fs::resize_file(file_, 1000);
+  EXPECT_THROW(ReadOdometryAlone(file_, tracked.drive.rig), Error);
+}
+
 TEST_F(OdometryFile, DamageAndOtherRigsAreNamed) {
   const TrackedDrive& tracked = Tracked();
   const auto reads = [&](const Rig& rig) { return ReadOdometry(file_, rig); };
