@@ -281,7 +281,8 @@ HeightField FitHeights(std::span<const DriveHeights> drives, std::span<const Dri
   heights.insert(heights.end(), measured.begin(), measured.end());
   HeightFieldOptions with_steps = options.field;
   with_steps.has_steps = true;
-  HeightField field(std::move(heights), with_steps);
+  HeightField field(heights, with_steps);
+  AddScatter(heights, field);
   SpreadSigmas(field);
   return field;
 }

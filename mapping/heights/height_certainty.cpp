@@ -13,6 +13,8 @@
 namespace parkade {
 namespace {
 
+constexpr double kScatterShare =
+    0.5;  // what views have in common, as poses, makes the mean err, too
 constexpr double kKnownSigma = 0.03;                   // [m] of a patch whose height was measured
 constexpr double kBase = 2.0;                          // [m] over which a slope is taken
 constexpr std::array<double, 4> kLengths{2, 4, 6, 8};  // [m] of continuation that are tried
@@ -145,6 +147,27 @@ class SigmaSpreader {
 };
 
 }  // namespace
+
+void AddScatter(std::span<const HeightObservation> observations, HeightField& field) {
+  struct Scatter {
+    double squares = 0, weight = 0;
+  };
+  std::vector<Scatter> scatters(static_cast<size_t>(field.num_patches()));
+  for (const HeightObservation& observation : observations) {
+    double height = 0;
+    const int patch = field.FindPatch(observation.point_in_site, height);
+    if (patch == HeightField::kNone) continue;
+    const double off = observation.point_in_site.z() - height, weight = field.WeightOf(observation);
+    Scatter& scatter = scatters[static_cast<size_t>(patch)];
+    scatter.squares += weight * off * off;
+    scatter.weight += weight;
+  }
+  for (int patch = 0; patch < field.num_patches(); ++patch)
+    if (const Scatter& scatter = scatters[static_cast<size_t>(patch)]; scatter.weight > 0)
+      field.SetSigma(patch,
+                     std::hypot(field.SigmaOf(patch),
+                                kScatterShare * std::sqrt(scatter.squares / scatter.weight)));
+}
 
 void SpreadSigmas(HeightField& field) { SigmaSpreader(field).Spread(); }
 

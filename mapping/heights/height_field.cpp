@@ -235,7 +235,6 @@ void HeightField::AddThinPlate(bool breaks, NormalEquations& equations) const {
                                          height(patch.nodes[2]) + height(patch.nodes[3])));
 }
 
-/// Less, the further it is from the surface. Where there is none, its own.
 double HeightField::WeightOf(const HeightObservation& observation) const {
   double height = observation.point_in_site.z();
   FindPatch(observation.point_in_site, height);

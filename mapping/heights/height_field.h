@@ -89,6 +89,10 @@ class HeightField {
   double SigmaOf(int patch) const { return patches_[static_cast<size_t>(patch)].sigma; }
   void SetSigma(int patch, double sigma) { patches_[static_cast<size_t>(patch)].sigma = sigma; }
 
+  /// That of an observation: less, the further it is from the surface; where there is none, its
+  /// own.
+  double WeightOf(const HeightObservation& observation) const;
+
   const MeasuredHeight& MeasuredIn(int patch) const {
     return patches_[static_cast<size_t>(patch)].measured;
   }
@@ -125,7 +129,6 @@ class HeightField {
   void AddThinPlate(bool breaks, NormalEquations& equations) const;
   void AddObservations(const std::vector<HeightObservation>& observations,
                        const HeightField* weighed_by, NormalEquations& equations);
-  double WeightOf(const HeightObservation& observation) const;
 
   HeightFieldOptions options_;
   double squares_per_meter_;

@@ -23,6 +23,21 @@ double SigmaAt(const HeightField& field, double x, double y) {
   return field.SigmaOf(field.FindPatch({x, y, 0}));
 }
 
+TEST(AddScatter, ObservationsThatDisagreeKnowLess) {
+  std::vector<HeightObservation> heights;
+  for (double x = 0.2; x < 40; x += 0.4)
+    for (double y = -1.8; y < 2; y += 0.4)
+      for (const double off : {-0.03, -0.03, 0.03, 0.03})  // four drives
+        heights.push_back({{x, y, x < 20 ? 0 : off}, 1e4, x < 20 ? 0.01 : 0.005});
+  HeightField field(heights, {});
+  ASSERT_NEAR(SigmaAt(field, 30, 0), 0.005, 1e-9);
+
+  AddScatter(heights, field);
+
+  EXPECT_NEAR(SigmaAt(field, 10, 0), 0.01, 1e-4);
+  EXPECT_NEAR(SigmaAt(field, 30, 0), std::hypot(0.005, 0.015), 1e-3);
+}
+
 TEST(SpreadSigmas, FlatGroundIsKnownForAsFarAsItIsFlat) {
   HeightField field = Street(0);
   EXPECT_GT(SigmaAt(field, 20, 7), 0.9);
