@@ -95,7 +95,7 @@ void LatestDrives::FindNear(const NumViews& num_near_views, int max_drives) {
 
 /// Those too small to look at any square's middle are all chosen: no square counts them.
 void LatestDrives::ChooseViews(const NumViews& num_views) {
-  std::map<std::pair<Square, int>, std::uint32_t> targets;  // squares as a drive sees them
+  std::map<SquareOfDrive, std::uint32_t> targets;  // squares as a drive sees them
   std::vector<int> wanted;
   std::vector<TargetView> target_views;
   std::vector<std::size_t> narrow;
@@ -126,9 +126,9 @@ bool LatestDrives::HasSay(int rank, const Square& square) const {
   return oldest == oldest_.end() || rank >= oldest->second || near_.contains({square, rank});
 }
 
-bool LatestDrives::HasSayAt(int drive, const Eigen::Vector3d& car_in_site) const {
-  const auto rank = ranks_.find(drive);
+bool LatestDrives::CountsAsDriven(int drive, const Eigen::Vector3d& car_in_site) const {
   const Square square = SquareOf(car_in_site.z(), car_in_site.head<2>());
+  const auto rank = ranks_.find(drive);
   if (rank == ranks_.end() || HasSay(rank->second, square)) return true;
   const auto last = last_driven_.find(square);
   return last == last_driven_.end() || !HasSay(last->second, square);

@@ -43,14 +43,13 @@ class LatestDrives {
 
   /// Whether it counts that a drive's car stood there: not where the latest car that drove there is
   /// that of a drive that has a say, and this one has none. One without views counts everywhere.
-  bool HasSayAt(int drive, const Eigen::Vector3d& car_in_site) const;
+  bool CountsAsDriven(int drive, const Eigen::Vector3d& car_in_site) const;
 
  private:
   using Square = std::tuple<int, int, int>;  // deck, y, x
   /// By square and rank of the drive.
   using NumViews = std::map<Square, std::map<int, int>>;
-  /// Square and rank of the drive.
-  using SquareOfDrive = std::pair<Square, int>;
+  using SquareOfDrive = std::pair<Square, int>;  // and the drive's rank
 
   /// `car_height` [m] tells decks apart.
   static Square SquareOf(double car_height, const Eigen::Vector2d& point_in_site);

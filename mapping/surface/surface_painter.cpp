@@ -286,7 +286,7 @@ void SurfacePainter::MarkDriven(const DrivenPath& path, const LatestDrives* late
     if (last && (state.world_from_body.translation - *last).norm() < step) continue;
     last = state.world_from_body.translation;
     if (reach_.isEmpty() || reach_.exteriorDistance(last->head<2>().eval()) > length) continue;
-    if (latest && !latest->HasSayAt(path.drive, *last)) {
+    if (latest && !latest->CountsAsDriven(path.drive, *last)) {
       stood_from_site.reset();
       continue;
     }

@@ -151,7 +151,7 @@ std::string KeyOfHeightsAlong(const std::string& ground_key, std::vector<TimedPo
 /// The key of the heights along a path: that of an earlier map's where these hold.
 std::string KeyOfHeights(const StageCache& cache, const std::string& file,
                          const std::string& ground_key, const Trajectory& odom_from_body) {
-  const std::string own = KeyOfHeightsAlong(ground_key, SparsePoses(odom_from_body));
+  std::string own = KeyOfHeightsAlong(ground_key, SparsePoses(odom_from_body));
   if (cache.MapHas(file, own)) return own;
   const auto last = cache.LastOfMap(file);
   if (!last) return own;

@@ -61,10 +61,11 @@ std::optional<TakenOdometry> TakeFromMap(const RecordedDrive& log, const BuildCo
           "it is of another log");
   Require(context.from->OdometryFingerprint(log.name()) == TrackedBy(log, context),
           ErrorCode::kInvalidInput, "it was tracked with other options or from other streams");
-  const bool is_whole = !context.scope.products.empty() &&
-                        context.cache.MapHas(log.name() + kAgreementFile,
-                                             KeyOfAgreement(KeyOfStored(Sha256OfFile(file))));
-  return TakenOdometry{ReadOdometryOf(log, file, is_whole), file, true};
+  std::string stored = Sha256OfFile(file);
+  const bool is_whole =
+      !context.scope.products.empty() &&
+      context.cache.MapHas(log.name() + kAgreementFile, KeyOfAgreement(KeyOfStored(stored)));
+  return TakenOdometry{ReadOdometryOf(log, file, is_whole), file, std::move(stored), true};
 }
 
 std::optional<TakenOdometry> TakeFromWork(const RecordedDrive& log, const BuildContext& context) {
@@ -73,7 +74,8 @@ std::optional<TakenOdometry> TakeFromWork(const RecordedDrive& log, const BuildC
   if (!fs::exists(folder / kInputsFile)) return std::nullopt;
   if (ReadFile(folder / kInputsFile, kMaxKeyBytes) != KeyOfInputs(log, context))
     return std::nullopt;
-  return TakenOdometry{ReadOdometryOf(log, folder / kOdometryFile), folder / kOdometryFile, false};
+  const fs::path file = folder / kOdometryFile;
+  return TakenOdometry{ReadOdometryOf(log, file), file, Sha256OfFile(file), false};
 }
 
 }  // namespace
@@ -89,23 +91,26 @@ std::optional<TakenOdometry> TakeOdometry(const RecordedDrive& log, const BuildC
   return std::nullopt;
 }
 
-void StoreOdometry(const OdometryResult& odometry, const std::optional<fs::path>& taken,
-                   const RecordedDrive& log, const BuildContext& context) {
-  const BuildScope& scope = context.scope;
-  if (scope.products.empty()) return;
-  const fs::path name = fs::path(log.name()) / kOdometryFile;
-  if (taken) return LinkOrCopy(*taken, scope.products / name);
-  fs::create_directories(scope.products / log.name());
-  WriteOdometry(odometry, log.rig(), scope.products / name);
-  if (scope.work.empty()) return;
-  context.cache.Share(name);
-  WriteFileAtomically(scope.work / log.name() / kInputsFile, KeyOfInputs(log, context));
+std::string ShareOdometry(const TakenOdometry& taken, const RecordedDrive& log,
+                          const BuildContext& context) {
+  const fs::path& products = context.scope.products;
+  if (products.empty()) return KeyOfStored("");
+  LinkOrCopy(taken.file, products / log.name() / kOdometryFile);
+  return KeyOfStored(taken.hash);
 }
 
-std::string KeyOfOdometry(const BuildScope& scope, const DriveLog& log) {
-  const std::string stored =
-      scope.products.empty() ? "" : Sha256OfFile(scope.products / log.name() / kOdometryFile);
-  return KeyOfStored(stored);
+std::string StoreOdometry(const OdometryResult& odometry, const RecordedDrive& log,
+                          const BuildContext& context) {
+  const BuildScope& scope = context.scope;
+  if (scope.products.empty()) return KeyOfStored("");
+  const fs::path name = fs::path(log.name()) / kOdometryFile;
+  fs::create_directories(scope.products / log.name());
+  WriteOdometry(odometry, log.rig(), scope.products / name);
+  if (!scope.work.empty()) {
+    context.cache.Share(name);
+    WriteFileAtomically(scope.work / log.name() / kInputsFile, KeyOfInputs(log, context));
+  }
+  return KeyOfStored(Sha256OfFile(scope.products / name));
 }
 
 std::string KeyOfAgreement(const std::string& key_of_odometry) {

@@ -14,6 +14,7 @@ namespace parkade {
 struct TakenOdometry {
   OdometryResult odometry;  ///< may be without measurements, see LoadMeasurements
   std::filesystem::path file;
+  std::string hash;        ///< SHA-256 of the file
   bool is_of_map = false;  ///< of the finished map to start from, not of a build that was ended
 };
 
@@ -21,17 +22,17 @@ struct TakenOdometry {
 /// where neither holds what this build would find, with a line in the log where it has another.
 std::optional<TakenOdometry> TakeOdometry(const RecordedDrive& log, const BuildContext& context);
 
-/// Puts a drive's odometry into the map in the making: the file of `taken`, shared, where it was
-/// taken, else what was found, which is kept for a next try as well.
-void StoreOdometry(const OdometryResult& odometry,
-                   const std::optional<std::filesystem::path>& taken, const RecordedDrive& log,
-                   const BuildContext& context);
+/// Puts a drive's odometry into the map in the making; returns the key of all that stages depend on
+/// which begin with it.
+std::string ShareOdometry(const TakenOdometry& taken, const RecordedDrive& log,
+                          const BuildContext& context);
+
+/// The same of odometry that this build found, which is kept for a next try as well.
+std::string StoreOdometry(const OdometryResult& odometry, const RecordedDrive& log,
+                          const BuildContext& context);
 
 /// Reads the measurements of odometry that was taken without.
 void LoadMeasurements(const BuildScope& scope, const DriveLog& log, OdometryResult& odometry);
-
-/// The key of all that stages depend on which begin with this drive's stored odometry.
-std::string KeyOfOdometry(const BuildScope& scope, const DriveLog& log);
 
 /// How its sensors agree, the first stage after it: the file, beside the drive's name, and the key.
 constexpr const char* kAgreementFile = "/agreement.bin";

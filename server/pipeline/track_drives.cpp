@@ -13,13 +13,12 @@ DriveInWork TrackDrive(const RecordedDrive& log, const BuildContext& context,
   drive.log = &log;
   if (std::optional<TakenOdometry> taken = TakeOdometry(log, context)) {
     drive.is_odometry_taken = taken->is_of_map;
+    drive.odometry.key = ShareOdometry(*taken, log, context);
     drive.odometry.value = std::move(taken->odometry);
-    StoreOdometry(drive.odometry.value, taken->file, log, context);
   } else {
     drive.odometry.value = EstimateTrajectory(log, context.options.odometry, progress);
-    StoreOdometry(drive.odometry.value, std::nullopt, log, context);
+    drive.odometry.key = StoreOdometry(drive.odometry.value, log, context);
   }
-  drive.odometry.key = KeyOfOdometry(context.scope, log);
   const StageFile<SensorAgreement> file{log.name() + kAgreementFile, EncodeAgreement,
                                         DecodeAgreement};
   drive.agreement = Cached(context.cache, file, KeyOfAgreement(drive.odometry.key), [&] {

@@ -49,8 +49,10 @@ std::uint64_t FingerprintOf(const Rig& rig) {
                                      camera.model.height()));
     constexpr int kRaysPerSide = 7;
     for (int i = 0; i < kRaysPerSide * kRaysPerSide; ++i) {
-      const Eigen::Vector2d at((i % kRaysPerSide + 0.5) / kRaysPerSide * camera.model.width(),
-                               (i / kRaysPerSide + 0.5) / kRaysPerSide * camera.model.height());
+      const int row = i / kRaysPerSide;
+      const int column = i % kRaysPerSide;
+      const Eigen::Vector2d at((column + 0.5) / kRaysPerSide * camera.model.width(),
+                               (row + 0.5) / kRaysPerSide * camera.model.height());
       bytes += BytesOf(camera.model.Unproject(at).value_or(Eigen::Vector3d::Zero()));
     }
     for (int row = 0; row < camera.mask.rows; ++row)
@@ -215,9 +217,9 @@ Checksum ChecksumOf(std::ifstream& stream) {
 }
 
 /// A file whose head says that it holds odometry of a drive with this rig.
-class OpenFile {
+class StoredOdometry {
  public:
-  OpenFile(const std::filesystem::path& file, const Rig& rig)
+  StoredOdometry(const std::filesystem::path& file, const Rig& rig)
       : stream_(file, std::ios::binary), name_("'" + file.filename().string() + "' ") {
     Require(stream_.good(), ErrorCode::kNotFound, "cannot read '" + file.string() + "'");
     std::string magic(kMagic.size(), '\0');
@@ -282,18 +284,18 @@ void WriteOdometry(const OdometryResult& odometry, const Rig& rig,
 }
 
 OdometryResult ReadOdometry(const std::filesystem::path& file, const Rig& rig) {
-  OpenFile opened(file, rig);
-  opened.Check();
-  OdometryResult odometry = ReadContent(opened.content(), rig);
-  odometry.measurements = ReadMeasurements(opened.content(), rig.imu);
-  Require(opened.content().is_at_end(), ErrorCode::kInvalidInput,
-          opened.name() + "is longer than it says");
+  StoredOdometry stored(file, rig);
+  stored.Check();
+  OdometryResult odometry = ReadContent(stored.content(), rig);
+  odometry.measurements = ReadMeasurements(stored.content(), rig.imu);
+  Require(stored.content().is_at_end(), ErrorCode::kInvalidInput,
+          stored.name() + "is longer than it says");
   return odometry;
 }
 
 OdometryResult ReadOdometryAlone(const std::filesystem::path& file, const Rig& rig) {
-  OpenFile opened(file, rig);
-  return ReadContent(opened.content(), rig);
+  StoredOdometry stored(file, rig);
+  return ReadContent(stored.content(), rig);
 }
 
 }  // namespace parkade

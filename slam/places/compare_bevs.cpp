@@ -52,11 +52,12 @@ bool FitsBestInTheMiddle(const cv::Mat& agreement) {
 }
 
 /// Whether a tile fits its own surroundings badly everywhere but in the middle square.
-bool IsDistinct(cv::Mat own_agreement) {
+bool IsDistinct(const cv::Mat& own_agreement) {
   constexpr int kMiddle = kSquare * (kSquares / 2);
-  own_agreement(cv::Rect(kMiddle, kMiddle, kSquare, kSquare)) = 0;
+  cv::Mat is_apart(own_agreement.size(), CV_8U, cv::Scalar(1));
+  is_apart(cv::Rect(kMiddle, kMiddle, kSquare, kSquare)) = 0;
   double most = 0;
-  cv::minMaxLoc(own_agreement, nullptr, &most);
+  cv::minMaxLoc(own_agreement, nullptr, &most, nullptr, nullptr, is_apart);
   return most < kMostAlike;
 }
 

@@ -16,7 +16,7 @@ constexpr size_t kImagesPerBatch = 16;
 constexpr int kCell = 32;  // [px] corners are spread over cells of this size
 constexpr int kCornersPerCell = 6;
 constexpr double kPixelSigma = 0.7;  // [px] of a corner at full size
-constexpr float kOctave = 1.2F;      // from one size at which corners are looked for to the next
+constexpr double kOctave = 1.2;      // from one size at which corners are looked for to the next
 constexpr double kCoarsest = 40;     // [px/rad] at which any camera's corners are looked for
 constexpr int kMinOctaves = 6, kMaxOctaves = 16;
 constexpr int kViewWidth = 200;         // [px] of a keyframe's images for people
@@ -104,8 +104,8 @@ DescribedImage Describe(const CameraFrame& frame, const CylinderView& view,
                         const KeyframeOptions& options) {
   const int num_octaves = NumOctaves(view.pixels_per_radian());
   const cv::Ptr<cv::ORB> orb =
-      cv::ORB::create(4 * options.max_features, kOctave, NumOctaves(view.pixels_per_radian()), 16,
-                      0, 2, cv::ORB::HARRIS_SCORE, 31, /*fastThreshold=*/8);
+      cv::ORB::create(4 * options.max_features, static_cast<float>(kOctave), num_octaves, 16, 0, 2,
+                      cv::ORB::HARRIS_SCORE, 31, /*fastThreshold=*/8);
   const cv::Mat image = view.Warp(frame.image);
   std::vector<cv::KeyPoint> corners;
   orb->detect(image, corners, view.usable());

@@ -81,7 +81,7 @@ TEST_F(TumFile, ForeignFilesAreReadAndBrokenLinesAreNamed) {
   EXPECT_EQ(ReadTum(file_).size(), 2U);
 
   for (const char* line : {"1 2 3", "1 2 3 4 0 0 0 0", "x 1 2 3 0 0 0 1", "1 nan 2 3 0 0 0 1",
-                           "1 2 3x 4 0 0 0 1", "1 2 3 4 nan 0 0 1"}) {
+                           "1 2 3x 4 0 0 0 1", "1 2 3 4 nan 0 0 1", "1 +-2 3 4 0 0 0 1"}) {
     std::ofstream(file_) << "1.5 1 2 3 0 0 0 1\n" << line << "\n";
     EXPECT_THROW(ReadTum(file_), Error) << line;
   }

@@ -32,10 +32,10 @@ TEST(LatestDrives, OfManyTheLatestSayWhereTheirCarsDrove) {
   AddDrive(7, 3, views);
   const LatestDrives latest(views, 3);
   for (int drive = 0; drive < 5; ++drive)
-    EXPECT_EQ(latest.HasSayAt(drive, {5, 1, 0.2}), drive >= 2) << drive;
-  EXPECT_TRUE(latest.HasSayAt(0, {500, 1, 0})) << "nobody else looked there";
-  EXPECT_TRUE(latest.HasSayAt(7, {5, 1, 3})) << "on its deck";
-  EXPECT_TRUE(latest.HasSayAt(6, {5, 1, 0})) << "it has no views";
+    EXPECT_EQ(latest.CountsAsDriven(drive, {5, 1, 0.2}), drive >= 2) << drive;
+  EXPECT_TRUE(latest.CountsAsDriven(0, {500, 1, 0})) << "nobody else looked there";
+  EXPECT_TRUE(latest.CountsAsDriven(7, {5, 1, 3})) << "on its deck";
+  EXPECT_TRUE(latest.CountsAsDriven(6, {5, 1, 0})) << "it has no views";
 }
 
 /// As AddDrive, 40 views of a drive in an aisle along `y`, whose views reach 20 m to each side.
@@ -61,7 +61,8 @@ TEST(LatestDrives, InItsOwnAisleADriveCountsThoughOthersLookOverFromTheNext) {
   for (int drive = 0; drive < 8; ++drive) {
     EXPECT_EQ(counts(drive, {5, 2}), drive == 1 || drive == 2 || drive >= 6) << drive;
     EXPECT_EQ(counts(drive, {5, 18}), drive >= 6) << drive;
-    EXPECT_EQ(latest.HasSayAt(drive, {5, 1, 0}), drive != 0 && (drive < 3 || drive > 5)) << drive;
+    EXPECT_EQ(latest.CountsAsDriven(drive, {5, 1, 0}), drive != 0 && (drive < 3 || drive > 5))
+        << drive;
   }
 }
 
@@ -71,8 +72,8 @@ TEST(LatestDrives, WhereALaneWasDrivenLastOthersThatLookedNowDoNotSayOtherwise) 
   for (int drive = 1; drive < 5; ++drive) AddAisle(drive, 6, views);
   const LatestDrives latest(views, 2);
   EXPECT_FALSE(latest.ShareOf(0).Counts({5, 2})) << "others saw it better";
-  EXPECT_TRUE(latest.HasSayAt(0, {5, 2, 0})) << "no later car drove there";
-  EXPECT_FALSE(latest.HasSayAt(1, {5, 6, 0}));
+  EXPECT_TRUE(latest.CountsAsDriven(0, {5, 2, 0})) << "no later car drove there";
+  EXPECT_FALSE(latest.CountsAsDriven(1, {5, 6, 0}));
 }
 
 TEST(LatestDrives, WherePlacesAreSeldomLookedAtMoreDrivesCount) {
