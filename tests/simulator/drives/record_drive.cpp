@@ -7,6 +7,7 @@
 #include "tests/simulator/common/random.h"
 #include "tests/simulator/faults/faulty_sink.h"
 #include "tests/simulator/render/lens_cover.h"
+#include "tests/simulator/render/lens_dirt.h"
 
 namespace parkade::simulator {
 namespace {
@@ -64,6 +65,7 @@ class RecordFeeder {
 
 /// One camera from lens to file.
 struct CameraChain {
+  LensDirt dirt;
   CoveredLens lens;
   ImageSensor sensor;
 };
@@ -73,7 +75,8 @@ std::vector<CameraChain> MakeCameras(const SimulateOptions& options, const Rig& 
   std::vector<CameraChain> cameras;
   for (size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     const cv::Size size(rig.cameras[camera].model.width(), rig.cameras[camera].model.height());
-    cameras.push_back({CoveredLens(options.faults, camera, size, seed),
+    cameras.push_back({LensDirt(options.lens.dirt, size, Mix64(seed) + camera),
+                       CoveredLens(options.faults, camera, size, seed),
                        ImageSensor(options.image, Mix64(seed) + camera)});
   }
   return cameras;
@@ -93,6 +96,7 @@ Shot ShotOf(const SimulateOptions& options, const Motion& motion, const Schedule
     return motion.WorldFromBody(since_start + offset);
   };
   shot.exposure = options.image.exposure;
+  shot.flare = options.lens.flare;
   shot.time = since_start;
   if (options.semantic)
     shot.semantics = options.semantic_kind == "classes" ? Semantics::kClasses
@@ -143,6 +147,7 @@ Recording RecordDrive(const SimulateOptions& options, const Motion& motion, cons
     RenderedImage rendered = renderer.Render(shot);
     recording.times.render += watch.Lap();
     CameraChain& camera = cameras[frame.camera];
+    camera.dirt.Apply(rendered.radiance);
     if (const std::string fault = camera.lens.Apply(rendered.radiance, frame.time - epoch);
         !fault.empty())
       ++counts.faults[fault + "." + rig.cameras[frame.camera].name];

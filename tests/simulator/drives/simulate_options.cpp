@@ -1,6 +1,7 @@
 #include "tests/simulator/drives/simulate_options.h"
 
 #include "core/error.h"
+#include "tests/simulator/ground/season.h"
 #include "tests/simulator/layouts/place_look.h"
 #include "tests/simulator/layouts/slot_marks.h"
 
@@ -23,10 +24,12 @@ void SimulateOptions::Validate() const {
           ErrorCode::kUsage, "semantic_kind must be drivable, level or classes");
   LookOf(looks, 1);
   SlotMarksOf(slot_marks);
+  SeasonOf(season);
   drive.Validate();
   rig.Validate();
   sensors.Validate();
   cameras.Validate();
+  lens.Validate();
   image.Validate();
   faults.Validate();
 }
@@ -41,6 +44,8 @@ SceneOptions SimulateOptions::OfScene() const {
   scene_options.weather = weather;
   scene_options.looks = looks;
   scene_options.slot_marks = slot_marks;
+  scene_options.season = season;
+  scene_options.has_drains = has_drains;
   scene_options.sun_elevation = sun_elevation;
   scene_options.has_own_car = has_own_car;
   return scene_options;

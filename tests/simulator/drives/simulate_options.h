@@ -5,6 +5,7 @@
 #include "tests/simulator/common/fault_options.h"
 #include "tests/simulator/motion/driver_options.h"
 #include "tests/simulator/render/image_sensor.h"
+#include "tests/simulator/render/lens_options.h"
 #include "tests/simulator/scenes/scene.h"
 #include "tests/simulator/sensors/sensors.h"
 #include "tests/simulator/vehicle/camera_clock.h"
@@ -21,6 +22,8 @@ struct SimulateOptions {
   std::string weather;  ///< dry, overcast, wet, dusk; empty: as the day wants it
   std::string looks = "classic";           ///< of what the ground is made (LookOf)
   std::string slot_marks = "usual";        ///< of a lot or street; also tees, corners (SlotMarks)
+  std::string season = "usual";            ///< of a lot or street; also autumn, winter (Season)
+  bool has_drains = false;                 ///< grates at kerbs and gutters across the ground
   double sun_elevation = 0;                ///< [degrees] 5 to 90; 0: as the place wants it
   bool has_own_car = true;                 ///< false: images show neither it nor its shadow
   int speed_bumps = 0;                     ///< of a lot, at most 4
@@ -34,6 +37,7 @@ struct SimulateOptions {
   RigOptions rig;
   SensorOptions sensors;
   CameraClockOptions cameras;
+  LensOptions lens;
   ImageSensorOptions image;
   FaultOptions faults;
 
@@ -46,6 +50,8 @@ struct SimulateOptions {
     visit("weather", weather);
     visit("looks", looks);
     visit("slot_marks", slot_marks);
+    visit("season", season);
+    visit("has_drains", has_drains);
     visit("sun_elevation", sun_elevation);
     visit("has_own_car", has_own_car);
     visit("speed_bumps", speed_bumps);
@@ -59,6 +65,7 @@ struct SimulateOptions {
     visit("rig", rig);
     visit("sensors", sensors);
     visit("cameras", cameras);
+    visit("lens", lens);
     visit("image", image);
     visit("faults", faults);
   }

@@ -36,6 +36,11 @@ GroundCanvas::GroundCanvas(const Eigen::Vector2d& min, const Eigen::Vector2d& ma
   levels_.push_back(std::move(finest));
 }
 
+Eigen::Vector2d GroundCanvas::max() const {
+  const Level& level = levels_.front();
+  return min() + texel_size() * Eigen::Vector2d(level.width, level.height);
+}
+
 void GroundCanvas::Fill(const std::function<Color(float x, float y)>& color) {
   Level& level = levels_.front();
   ParallelFor(static_cast<size_t>(level.height), [&](size_t row) {
@@ -58,7 +63,7 @@ void GroundCanvas::Paint(const Eigen::Vector2d& center, double reach,
             last_column = std::min(level.width - 1, static_cast<int>(high.x()));
   const int first_row = std::max(0, static_cast<int>(low.y())),
             last_row = std::min(level.height - 1, static_cast<int>(high.y()));
-  for (int row = first_row; row <= last_row; ++row) {
+  const auto paint_row = [&](int row) {
     const float y = min_.y() + (static_cast<float>(row) + 0.5f) * texel_size_;
     for (int column = first_column; column <= last_column; ++column) {
       const Touch touch = brush(min_.x() + (static_cast<float>(column) + 0.5f) * texel_size_, y);
@@ -70,7 +75,13 @@ void GroundCanvas::Paint(const Eigen::Vector2d& center, double reach,
       const std::uint32_t mark = is_covered && touch.is_marking ? kMarking : texel & kMarking;
       texel = Encode(Decode(Unpack(texel)) * (1 - touch.cover) + touch.color * touch.cover) | mark;
     }
-  }
+  };
+  constexpr int kManyRows = 1000;
+  if (last_row - first_row < kManyRows)
+    for (int row = first_row; row <= last_row; ++row) paint_row(row);
+  else
+    ParallelFor(static_cast<size_t>(last_row - first_row + 1),
+                [&](size_t index) { paint_row(first_row + static_cast<int>(index)); });
 }
 
 void GroundCanvas::Finish() {

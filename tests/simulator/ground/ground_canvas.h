@@ -18,6 +18,8 @@ class GroundCanvas {
   GroundCanvas(const Eigen::Vector2d& min, const Eigen::Vector2d& max, double texel_size);
 
   double texel_size() const { return texel_size_; }  ///< [m]
+  Eigen::Vector2d min() const { return min_.cast<double>(); }
+  Eigen::Vector2d max() const;  ///< a part of a texel beyond what was asked for
 
   /// Sets every texel to `color(x, y)` of its center, in parallel.
   void Fill(const std::function<Color(float x, float y)>& color);
@@ -28,7 +30,7 @@ class GroundCanvas {
     float cover = 0;
     bool is_marking = false;  ///< where it covers half
   };
-  /// Visits the texels of a box [m] around `center`. In order, on one thread.
+  /// Visits the texels of a box [m] around `center`, large boxes on all cores.
   void Paint(const Eigen::Vector2d& center, double reach,
              const std::function<Touch(float x, float y)>& brush);
 

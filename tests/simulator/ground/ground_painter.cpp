@@ -174,6 +174,63 @@ void GroundPainter::Manhole(const Vector2d& center) {
   });
 }
 
+void GroundPainter::Drain(const Vector2d& center, double yaw) {
+  const Rectangle frame{center, {0.25, 0.15}, yaw};
+  const float c = static_cast<float>(std::cos(yaw)), s = static_cast<float>(std::sin(yaw));
+  canvas_.Paint(center, 0.32, [&](float x, float y) -> GroundCanvas::Touch {
+    const float distance = static_cast<float>(frame.SignedDistance(Vector2d(x, y)));
+    if (distance > -0.03f) return {Gray(0.11f), Cover(distance, texel_)};
+    const Vector2f offset = Vector2f(x, y) - center.cast<float>();
+    const float along = (c * offset.x() + s * offset.y()) / 0.05f;
+    return {Gray(std::abs(along - std::round(along)) < 0.25f ? 0.015f : 0.09f), 1};
+  });
+}
+
+void GroundPainter::Gutter(const Vector2d& from, const Vector2d& to) {
+  const Vector2f a = from.cast<float>(), b = to.cast<float>(), along = (b - a).normalized();
+  canvas_.Paint((from + to) / 2, (to - from).norm() / 2 + 0.2,
+                [&](float x, float y) -> GroundCanvas::Touch {
+                  const float aside = DistanceToSegment({x, y}, a, b);
+                  if (aside > 0.08f) return {Gray(0.26f), 0.8f * Cover(aside - 0.14f, texel_)};
+                  const float bar = (Vector2f(x, y) - a).dot(along) / 0.04f;
+                  return {Gray(std::abs(bar - std::round(bar)) < 0.3f ? 0.02f : 0.12f), 1};
+                });
+}
+
+void GroundPainter::Leaf(const Vector2d& center) {
+  const double half_length = random_.Uniform(0.02, 0.06), angle = random_.Uniform(0, 2 * M_PI);
+  const float half_width = static_cast<float>(half_length * random_.Uniform(0.4, 0.8));
+  // Yellow through orange to brown, some wet and dark.
+  const Color yellow = Rgb(0.5f, 0.36f, 0.05f), brown = Rgb(0.13f, 0.06f, 0.025f);
+  const float age = static_cast<float>(random_.Uniform());
+  const Color color =
+      (yellow + age * (brown - yellow)) * static_cast<float>(random_.Uniform(0.5, 1.2));
+  const Vector2f axis(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)));
+  canvas_.Paint(center, half_length + texel_, [&](float x, float y) -> GroundCanvas::Touch {
+    const Vector2f offset = Vector2f(x, y) - center.cast<float>();
+    const float along = offset.dot(axis) / static_cast<float>(half_length),
+                across = (offset.x() * axis.y() - offset.y() * axis.x()) / half_width;
+    return {color, 0.95f * Cover((std::hypot(along, across) - 1) * half_width, texel_)};
+  });
+}
+
+void GroundPainter::Snow(const std::function<double(const Vector2d&)>& depth) {
+  const Vector2d middle = (canvas_.min() + canvas_.max()) / 2;
+  const std::uint32_t seed = static_cast<std::uint32_t>(random_.Bits());
+  canvas_.Paint(
+      middle, (canvas_.max() - middle).maxCoeff(), [&](float x, float y) -> GroundCanvas::Touch {
+        const float deep = static_cast<float>(depth(Vector2d(x, y)));
+        constexpr float kRagged = 0.9f;  // of the depth
+        if (deep < -kRagged) return {};
+        const float broad = FractalNoise(0.7f * x, 0.7f * y, 4, seed),
+                    fine = FractalNoise(7 * x, 7 * y, 3, seed + 20);
+        const float cover = SmoothStep(0.35f, 0.65f, deep + kRagged * broad + 0.25f * fine);
+        if (cover <= 0) return {};
+        const float trodden = 0.62f + 0.12f * broad + 0.08f * fine;
+        return {Rgb(0.97f * trodden, 0.99f * trodden, 1.03f * trodden), 0.96f * cover};
+      });
+}
+
 void GroundPainter::Line(const Vector2d& from, const Vector2d& to, double width, float wear,
                          const Color& color) {
   const Vector2f a = from.cast<float>(), b = to.cast<float>();

@@ -37,6 +37,14 @@ class GroundPainter {
               const Chooser& place =
                   {});  ///< gum, pebbles, leaves, cigarette ends; in drifts, not everywhere
   void Manhole(const Eigen::Vector2d& center);
+  /// The grate of a drain, 0.5 x 0.3 m, its bars across `yaw`.
+  void Drain(const Eigen::Vector2d& center, double yaw);
+  /// A gutter 0.16 m wide under a grate, between rims of concrete.
+  void Gutter(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
+  /// A fallen leaf of a tree, 4 to 12 cm.
+  void Leaf(const Eigen::Vector2d& center);
+  /// Snow where `depth` is 1 or more, none where it is 0 or less, ragged patches between.
+  void Snow(const std::function<double(const Eigen::Vector2d&)>& depth);
   /// A worn line of paint.
   void Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width, float wear,
             const Color& color = kWhitePaint);
@@ -56,6 +64,7 @@ class GroundPainter {
     return {random_.Uniform(0, extent_.x()), random_.Uniform(0, extent_.y())};
   }
   Random& random() { return random_; }
+  const GroundCanvas& canvas() const { return canvas_; }
 
  private:
   GroundCanvas::Touch Worn(float x, float y, float signed_distance, float wear,

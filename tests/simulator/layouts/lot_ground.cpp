@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "tests/simulator/ground/ground_painter.h"
+#include "tests/simulator/ground/season.h"
+#include "tests/simulator/layouts/slot_marks.h"
 
 namespace parkade::simulator {
 namespace {
@@ -49,6 +51,19 @@ void MarkBumps(const LotLayout& layout, GroundPainter& painter) {
       painter.Line(bump + Vector2d(-1.7, y), bump + Vector2d(1.7, y), 0.32, 0.3f, kYellowPaint);
 }
 
+/// Gutters along the aisles' edges, one across, and grates before the outer kerbs.
+void AddDrains(const LotLayout& layout, GroundPainter& painter) {
+  Random& random = painter.random();
+  for (const double y : layout.aisle_y) {
+    const double edge = y + (random.Chance(0.5) ? 2.7 : -2.7);
+    painter.Gutter({4, edge}, {layout.length - 4, edge});
+  }
+  const double across = random.Uniform(0.3, 0.7) * layout.length;
+  painter.Gutter({across, 1}, {across, layout.width - 1});
+  for (double x = random.Uniform(3, 9); x < layout.length - 1; x += random.Uniform(8, 14))
+    for (const double y : {0.2, layout.width - 0.2}) painter.Drain({x, y}, 0);
+}
+
 /// Slots with numbers, and where everybody drives.
 void MarkDeck(const LotLayout& layout, GroundPainter& painter, int first_number) {
   for (const double y : layout.aisle_y)
@@ -83,19 +98,19 @@ void MarkStrip(const LotLayout& layout, double strip, GroundPainter& painter) {
 
 }  // namespace
 
-GroundCanvas PaintLot(const LotLayout& layout, const RoadLook& road, double texel_size,
-                      std::uint64_t seed, SlotMarks marks) {
-  GroundCanvas canvas(Vector2d::Zero(), Vector2d(layout.length, layout.width), texel_size);
+GroundCanvas PaintLot(const LotLayout& layout, const RoadLook& road, const SceneOptions& options) {
+  GroundCanvas canvas(Vector2d::Zero(), Vector2d(layout.length, layout.width),
+                      options.ground_texel);
   const double area = layout.length * layout.width;
   const auto per_area = [&](double square_meters) {
     return static_cast<int>(area / square_meters);
   };
-  GroundPainter painter({layout.length, layout.width}, canvas, seed);
+  GroundPainter painter({layout.length, layout.width}, canvas, options.seed);
   painter.Asphalt(road);
   painter.Patches(per_area(90));
   painter.Cracks(per_area(45));
   painter.Stains(per_area(14), [&] { return InAnySlot(layout, painter.random()); });
-  Mark(layout, marks, painter);
+  Mark(layout, SlotMarksOf(options.slot_marks), painter);
   MarkBumps(layout, painter);
   for (int i = 0; i < per_area(350); ++i) {
     const double x = painter.random().Uniform(2, layout.length - 2);
@@ -103,19 +118,23 @@ GroundCanvas PaintLot(const LotLayout& layout, const RoadLook& road, double texe
         {x, layout.aisle_y[painter.random().Index(2)] + painter.random().Uniform(-2, 2)});
   }
   painter.Litter(per_area(0.5));
+  if (options.has_drains) AddDrains(layout, painter);
+  LaySeason(
+      SeasonOf(options.season), [&](const Vector2d& at) { return layout.FromKerb(at); }, painter);
   canvas.Finish();
   return canvas;
 }
 
-GroundCanvas PaintDeck(const LotLayout& layout, double strip, double texel_size, std::uint64_t seed,
+GroundCanvas PaintDeck(const LotLayout& layout, double strip, const SceneOptions& options,
                        int deck) {
-  GroundCanvas canvas(Vector2d::Zero(), Vector2d(layout.length, layout.width + strip), texel_size);
+  GroundCanvas canvas(Vector2d::Zero(), Vector2d(layout.length, layout.width + strip),
+                      options.ground_texel);
   const double area = layout.length * layout.width;
   const auto per_area = [&](double square_meters) {
     return static_cast<int>(area / square_meters);
   };
   GroundPainter painter({layout.length, layout.width + strip}, canvas,
-                        SeedOfPart(seed, static_cast<std::uint64_t>(deck)));
+                        SeedOfPart(options.seed, static_cast<std::uint64_t>(deck)));
   painter.Concrete();
   painter.Cracks(per_area(120));
   painter.Stains(per_area(6), [&] { return InAnySlot(layout, painter.random()); });
@@ -125,6 +144,7 @@ GroundCanvas PaintDeck(const LotLayout& layout, double strip, double texel_size,
   MarkDeck(layout, painter, 100 * (deck + 1) + 1);
   MarkStrip(layout, strip, painter);
   painter.Litter(per_area(1.5));
+  if (options.has_drains) AddDrains(layout, painter);
   canvas.Finish();
   return canvas;
 }

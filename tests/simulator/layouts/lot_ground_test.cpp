@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace parkade::simulator {
 namespace {
@@ -31,7 +33,7 @@ TEST(LotGround, NoDeckHasTheFloorOfAnother) {
   constexpr double kTexel = 0.05;
   const double aisle = layout.aisle_y[0];
   const auto deck = [&](std::uint64_t seed, int number) {
-    return PaintDeck(layout, 1, kTexel, seed, number);
+    return PaintDeck(layout, 1, {.seed = seed, .ground_texel = kTexel}, number);
   };
   const GroundCanvas floor = deck(3, 1);
   EXPECT_GT(CorrelationOf(floor, deck(3, 1), aisle), 0.999);
@@ -42,8 +44,9 @@ TEST(LotGround, NoDeckHasTheFloorOfAnother) {
 TEST(LotGround, TeesMarkTheEntrancesOfSlotsAlone) {
   const LotLayout layout = PlanLot(3, 0);
   constexpr double kTexel = 0.04;
-  const GroundCanvas lines = PaintLot(layout, {}, kTexel, 3),
-                     tees = PaintLot(layout, {}, kTexel, 3, SlotMarks::kTees);
+  const GroundCanvas lines = PaintLot(layout, {}, {.seed = 3, .ground_texel = kTexel}),
+                     tees = PaintLot(layout, {},
+                                     {.seed = 3, .ground_texel = kTexel, .slot_marks = "tees"});
   double at_middle[2] = {0, 0}, at_bar[2] = {0, 0};  // mean luminance
   for (const Rectangle& slot : layout.slots) {
     const Eigen::Vector2d into(std::cos(slot.yaw), std::sin(slot.yaw)), across(-into.y(), into.x());
@@ -61,6 +64,75 @@ TEST(LotGround, TeesMarkTheEntrancesOfSlotsAlone) {
   }
   EXPECT_GT(at_middle[0], 2 * at_middle[1]);
   EXPECT_GT(at_bar[1], 2 * at_bar[0]);
+}
+
+/// Of what lies on the ground, by distance from the kerbs; places on markings do not count.
+struct Rims {
+  double at_kerb = 0, in_open = 0;  // share of places that the season changed
+};
+
+Rims ChangedBy(const std::string& season) {
+  const LotLayout layout = PlanLot(3, 0);
+  constexpr double kTexel = 0.04;
+  const GroundCanvas usual = PaintLot(layout, {}, {.seed = 3, .ground_texel = kTexel}),
+                     changed = PaintLot(layout, {},
+                                        {.seed = 3, .ground_texel = kTexel, .season = season});
+  double num_at_kerb = 0, num_in_open = 0;
+  Rims rims;
+  for (double x = 0.05; x < layout.length; x += 0.1) {
+    for (double y = 0.05; y < layout.width; y += 0.1) {
+      const double away = layout.FromKerb({x, y});
+      if (away <= 0) continue;
+      const auto at = [&](const GroundCanvas& canvas) {
+        return Luminance(canvas.Sample(static_cast<float>(x), static_cast<float>(y), 0.04f));
+      };
+      const bool is_changed = std::abs(at(changed) - at(usual)) > 0.03f;
+      if (away < 0.4) num_at_kerb += 1, rims.at_kerb += is_changed;
+      if (away > 4) num_in_open += 1, rims.in_open += is_changed;
+    }
+  }
+  return {rims.at_kerb / num_at_kerb, rims.in_open / num_in_open};
+}
+
+TEST(LotGround, SnowLiesAtKerbsAndLeavesMostlyThere) {
+  const Rims snow = ChangedBy("winter"), leaves = ChangedBy("autumn");
+  EXPECT_GT(snow.at_kerb, 0.9);
+  EXPECT_LT(snow.in_open, 0.1);
+  EXPECT_GT(leaves.at_kerb, 0.1);
+  EXPECT_LT(leaves.in_open, 0.1 * leaves.at_kerb + 0.02);
+}
+
+TEST(LotGround, DrainsLeaveTheRestAsItWas) {
+  const LotLayout layout = PlanLot(3, 0);
+  constexpr double kTexel = 0.04;
+  const GroundCanvas usual = PaintLot(layout, {}, {.seed = 3, .ground_texel = kTexel}),
+                     drained = PaintLot(layout, {},
+                                        {.seed = 3, .ground_texel = kTexel, .has_drains = true});
+  double num = 0, num_changed = 0;
+  for (float x = 0.05f; x < layout.length; x += 0.1f) {
+    for (float y = 0.05f; y < layout.width; y += 0.1f) {
+      num += 1;
+      num_changed += Luminance(usual.Sample(x, y, 0.04f)) != Luminance(drained.Sample(x, y, 0.04f));
+    }
+  }
+  EXPECT_GT(num_changed / num, 0.01);
+  EXPECT_LT(num_changed / num, 0.06);
+}
+
+TEST(LotLayout, HeapsOfSnowLieInFreeSlotsAndAreNotDrivable) {
+  for (int day = 0; day < 4; ++day) {
+    const LotLayout lot = PlanLot({.seed = 5, .day = day, .season = "winter"}),
+                    same = PlanLot({.seed = 5, .day = day});
+    ASSERT_EQ(lot.heaps.size(), 3u);
+    EXPECT_TRUE(same.heaps.empty());
+    for (const Rectangle& heap : lot.heaps) {
+      EXPECT_FALSE(lot.IsDrivable(heap.center));
+      EXPECT_TRUE(same.IsDrivable(heap.center)) << "a car stands there";
+      EXPECT_TRUE(std::any_of(lot.slots.begin(), lot.slots.end(), [&](const Rectangle& slot) {
+        return slot.SignedDistance(heap.center) < -heap.half_size.minCoeff() + 1e-9;
+      }));
+    }
+  }
 }
 
 }  // namespace

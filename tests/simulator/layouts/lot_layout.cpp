@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/simulator/common/random.h"
+#include "tests/simulator/ground/season.h"
 
 namespace parkade::simulator {
 namespace {
@@ -60,8 +61,17 @@ bool LotLayout::IsDrivable(const Eigen::Vector2d& point) const {
   if (point.x() < 0 || point.y() < 0 || point.x() > length || point.y() > width) return false;
   const auto covers = [&](const Rectangle& rectangle) { return rectangle.Contains(point); };
   return std::none_of(islands.begin(), islands.end(), covers) &&
+         std::none_of(heaps.begin(), heaps.end(), covers) &&
          std::none_of(cars.begin(), cars.end(),
                       [&](const ParkedCar& car) { return covers(car.footprint); });
+}
+
+double LotLayout::FromKerb(const Eigen::Vector2d& point) const {
+  double distance =
+      std::min(std::min(point.x(), length - point.x()), std::min(point.y(), width - point.y()));
+  for (const Rectangle& island : islands)
+    distance = std::min(distance, island.SignedDistance(point));
+  return distance;
 }
 
 double BumpHeight(const LotLayout& lot, const Eigen::Vector2d& point) {
@@ -83,6 +93,25 @@ void AddBumps(int count, LotLayout& lot) {
     lot.bumps.emplace_back(places[static_cast<size_t>(i)] * lot.length, lot.aisle_y[i % 2]);
 }
 
+void AddHeaps(int count, std::uint64_t seed, int day, LotLayout& lot) {
+  Random random(seed, 0x5e40 + static_cast<std::uint64_t>(day));
+  std::vector<const Rectangle*> free;
+  for (const Rectangle& slot : lot.slots)
+    if (std::none_of(lot.cars.begin(), lot.cars.end(),
+                     [&](const ParkedCar& car) { return slot.Contains(car.footprint.center); }))
+      free.push_back(&slot);
+  for (; count > 0 && !free.empty(); --count) {
+    const auto chosen = free.begin() + random.Index(static_cast<int>(free.size()));
+    Rectangle heap = **chosen;
+    heap.half_size = {random.Uniform(0.8, 1.6), random.Uniform(0.6, 1.0)};
+    // At the slot's back.
+    heap.center += ((*chosen)->half_size.x() - heap.half_size.x()) *
+                   Eigen::Vector2d(std::cos(heap.yaw), std::sin(heap.yaw));
+    lot.heaps.push_back(heap);
+    free.erase(chosen);
+  }
+}
+
 LotMeasures MeasureLot(std::uint64_t seed) {
   Random random(seed, 0x3ea5);
   LotMeasures measures;
@@ -96,6 +125,14 @@ LotMeasures MeasureLot(std::uint64_t seed) {
 }
 
 LotLayout PlanLot(std::uint64_t seed, int day) { return PlanLot(MeasureLot(seed), seed, day); }
+
+LotLayout PlanLot(const SceneOptions& options) {
+  constexpr int kHeaps = 3;
+  LotLayout lot = PlanLot(options.seed, options.day);
+  AddBumps(options.speed_bumps, lot);
+  if (SeasonOf(options.season) == Season::kWinter) AddHeaps(kHeaps, options.seed, options.day, lot);
+  return lot;
+}
 
 LotLayout PlanLot(const LotMeasures& measures, std::uint64_t seed, int day) {
   const double depth = measures.slot_depth, slant = measures.slant, up = M_PI / 2;

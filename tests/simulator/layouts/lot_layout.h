@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tests/simulator/common/rectangle.h"
+#include "tests/simulator/layouts/place.h"
 
 namespace parkade::simulator {
 
@@ -42,9 +43,13 @@ struct LotLayout {
   std::vector<Eigen::Vector2d> long_loop, short_loop;
   double aisle_y[2] = {0, 0};          ///< [m] center lines
   std::vector<Eigen::Vector2d> bumps;  ///< middles of speed bumps across an aisle
+  std::vector<Rectangle> heaps;        ///< of snow, in slots
 
-  /// Asphalt that a car may drive on: neither island nor parked car.
+  /// Asphalt that a car may drive on: neither island nor parked car nor heap.
   bool IsDrivable(const Eigen::Vector2d& point) const;
+
+  /// [m] to the next kerb, inside the lot and outside of its islands.
+  double FromKerb(const Eigen::Vector2d& point) const;
 };
 
 /// [m] that speed bumps raise the ground: 6 cm over a length of 4 m, twice differentiable.
@@ -53,8 +58,13 @@ double BumpHeight(const LotLayout& lot, const Eigen::Vector2d& point);
 /// Puts speed bumps across the aisles, at most four.
 void AddBumps(int count, LotLayout& lot);
 
+/// Shovels snow into free slots, at most `count`; which ones, the day says.
+void AddHeaps(int count, std::uint64_t seed, int day, LotLayout& lot);
+
 /// The same seed gives the same plan, but for the parked cars, which change with the day.
 LotLayout PlanLot(std::uint64_t seed, int day = 0);
 LotLayout PlanLot(const LotMeasures& measures, std::uint64_t seed, int day);
+/// The same with the bumps and heaps that the options ask for.
+LotLayout PlanLot(const SceneOptions& options);
 
 }  // namespace parkade::simulator

@@ -157,4 +157,21 @@ PlaceLook LookOf(const std::string& looks, std::uint64_t seed) {
   return Classic();
 }
 
+PlaceLook InSeason(PlaceLook look, Season season) {
+  if (season == Season::kUsual) return look;
+  const bool is_winter = season == Season::kWinter;
+  const Color cover = is_winter ? Rgb(0.68f, 0.69f, 0.72f) : Rgb(0.24f, 0.14f, 0.045f);
+  // Pavements are swept.
+  const auto lay = [&](Material& ground, float share) {
+    ground.albedo += share * (cover - ground.albedo);
+    if (share < 0.5f) return;
+    ground.texture = is_winter ? TextureKind::kPlaster : TextureKind::kLeaves;
+    ground.texture_contrast = is_winter ? 0.06f : 0.5f;
+  };
+  lay(look.land, 0.95f);
+  lay(look.island, 0.95f);
+  lay(look.pavement, 0.3f);
+  return look;
+}
+
 }  // namespace parkade::simulator

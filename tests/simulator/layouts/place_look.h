@@ -6,6 +6,7 @@
 
 #include "tests/simulator/common/mesh.h"
 #include "tests/simulator/ground/road_look.h"
+#include "tests/simulator/ground/season.h"
 
 namespace parkade::simulator {
 
@@ -25,5 +26,8 @@ struct PlaceLook {
 /// or "unknown", families with kinds of surface that no known one has: nothing is trained on or
 /// chosen by them. Throws Error{kUsage} for others.
 PlaceLook LookOf(const std::string& looks, std::uint64_t seed);
+
+/// The same with leaves or snow on all that is neither road nor kerb.
+PlaceLook InSeason(PlaceLook look, Season season);
 
 }  // namespace parkade::simulator

@@ -23,9 +23,7 @@ Place PlanPlace(const std::string& name, const SceneOptions& options) {
           ErrorCode::kUsage, "there is no scene '" + name + "'; there are: " + known);
   if (name == "garage") return MakeGaragePlace(PlanGarage(options.seed, options.day), options);
   if (name == "street") return MakeStreetPlace(PlanStreet(options.seed, options.day), options);
-  LotLayout lot = PlanLot(options.seed, options.day);
-  AddBumps(options.speed_bumps, lot);
-  return MakeLotPlace(lot, options);
+  return MakeLotPlace(PlanLot(options), options);
 }
 
 }  // namespace parkade::simulator

@@ -43,6 +43,10 @@ Props::Props(const Ground& ground, std::uint64_t seed, bool is_dark, const Place
                .texture_size = 1.3f,
                .texture_contrast = 0.25f});
   pavement_ = Add(look.pavement);
+  snow_ = Add({.albedo = Rgb(0.66f, 0.67f, 0.7f),
+               .texture = TextureKind::kPlaster,
+               .texture_size = 1.1f,
+               .texture_contrast = 0.1f});
   lamp_ = Add({.albedo = Gray(0.7f), .emission = is_dark ? Rgb(6, 4.8f, 3) : Gray(0)});
 }
 
@@ -159,6 +163,21 @@ void Props::Sign(const Vector2d& at, double yaw) {
 void Props::Bin(const Vector2d& at) {
   mesh_.AddBox(OnGround(at.x(), at.y(), 0.65), {0.35, 0.3, 0.65}, random_.Uniform(0, 1),
                random_.Chance(0.5) ? metal_ : leaves_[2]);
+}
+
+void Props::Heap(const Rectangle& outline) {
+  for (int part = 0; part < 5; ++part) {
+    const double share = random_.Uniform(0.4, 0.6);
+    const Vector2d aside =
+        Vector2d(random_.Uniform(-1, 1), random_.Uniform(-1, 1)) * (0.95 - share);
+    const double c = std::cos(outline.yaw), s = std::sin(outline.yaw),
+                 x = aside.x() * outline.half_size.x(), y = aside.y() * outline.half_size.y();
+    const Vector2d at = outline.center + Vector2d(c * x - s * y, s * x + c * y);
+    const double radius = share * outline.half_size.minCoeff();
+    mesh_.AddBlob(OnGround(at.x(), at.y(), 0.1),
+                  {radius, radius, random_.Uniform(0.25, 0.6) * outline.half_size.minCoeff()}, 0.3,
+                  static_cast<std::uint32_t>(random_.Bits()), snow_, 10);
+  }
 }
 
 void Props::Building(const Rectangle& outline, double height, bool is_detailed) {

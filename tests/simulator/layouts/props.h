@@ -40,6 +40,8 @@ class Props {
   /// A sign on a pole facing `yaw`, with a pattern of its own.
   void Sign(const Eigen::Vector2d& at, double yaw);
   void Bin(const Eigen::Vector2d& at);
+  /// A heap of shoveled snow.
+  void Heap(const Rectangle& outline);
   void Building(const Rectangle& outline, double height, bool is_detailed);
   /// A car in the middle of `footprint`, on the plane that touches the ground there near `near_z`.
   void Car(const Rectangle& footprint, double near_z, int style, std::uint64_t seed);
@@ -64,7 +66,7 @@ class Props {
   std::vector<KerbStone> kerbs_;
   std::vector<MaterialId> kerb_, leaves_;
   MaterialId land_ = 0, island_ = 0, pavement_ = 0, bark_ = 0, metal_ = 0, white_ = 0, blue_ = 0,
-             red_ = 0, wood_ = 0, lamp_ = 0;
+             red_ = 0, wood_ = 0, lamp_ = 0, snow_ = 0;
 };
 
 }  // namespace parkade::simulator

@@ -21,7 +21,8 @@ struct Shot {
   std::function<Rigid3(double)> world_from_body;
   double exposure = 0.003;  ///< [s]
   Semantics semantics = Semantics::kNone;
-  double time = 0;  ///< [s] since the start of the drive, for what moves
+  double flare = 0;  ///< see LensOptions
+  double time = 0;   ///< [s] since the start of the drive, for what moves
 };
 
 }  // namespace parkade::simulator

@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "tests/simulator/render/ground_mirror.h"
+#include "tests/simulator/render/lens_flare.h"
 #include "tests/simulator/render/pixel_samples.h"
 #include "tests/simulator/render/sunlight.h"
 #include "tests/simulator/scenes/drivable_raster.h"
@@ -73,6 +74,7 @@ struct Renderer::Parts {
   void RenderEdges(const Shot& shot, const RowPoses& poses, int row,
                    const std::vector<int>& columns, std::vector<PixelSamples>& pixels) const;
   RenderedImage Image(const Shot& shot, const ImageSamples& rows) const;
+  void Flare(const Shot& shot, const MomentPose& pose, cv::Mat& radiance) const;
   void RenderPacket(const Shot& shot, const PacketPoses& poses, const SamplePacket& packet,
                     const std::array<float, kPixelsPerPacket>& sample_angles,
                     const PixelsOfPacket& pixels) const;
@@ -301,6 +303,16 @@ RenderedImage Renderer::Parts::Image(const Shot& shot, const ImageSamples& rows)
   return image;
 }
 
+/// Of the sun, where it shines into the lens.
+void Renderer::Parts::Flare(const Shot& shot, const MomentPose& pose, cv::Mat& radiance) const {
+  constexpr float kSideways = -0.07f;  // cosine from the axis: light from behind does not enter
+  const FastPose& camera = pose.world_from_camera;
+  const Eigen::Vector3f to_sun = camera.rotation.transpose() * scene.sky.sun_direction();
+  if (to_sun.z() < kSideways || !sunlight.Shines(camera.translation, pose.time)) return;
+  AddFlare(to_sun, scene.sky.sun_irradiance() * static_cast<float>(shot.flare),
+           rig.cameras[shot.camera].model, tables[shot.camera], radiance);
+}
+
 Renderer::Renderer(const Scene& scene, const Rig& rig, double half_field_of_view)
     : parts_(std::make_unique<Parts>(scene, rig, half_field_of_view)) {}
 Renderer::~Renderer() = default;
@@ -333,7 +345,9 @@ RenderedImage Renderer::Render(const Shot& shot) const {
   for_all_rows([&](size_t index, int row) {
     parts_->RenderEdges(shot, poses[index], row, edges[index], rows[index]);
   });
-  return parts_->Image(shot, rows);
+  RenderedImage image = parts_->Image(shot, rows);
+  if (shot.flare > 0) parts_->Flare(shot, poses[num_rows / 2].moments.front(), image.radiance);
+  return image;
 }
 
 cv::Mat Renderer::Mask(size_t camera) const { return parts_->tables[camera].Mask(); }

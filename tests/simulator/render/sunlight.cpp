@@ -19,6 +19,15 @@ Sunlight::Sunlight(const Scene& scene, const SceneSurfaces& surfaces, const RayS
         (sun + Sky::kSunRadius * (kSunOffsets[i][0] * u + kSunOffsets[i][1] * v)).normalized();
 }
 
+bool Sunlight::Shines(const Eigen::Vector3f& eye, float time) const {
+  if (scene_.sky.sun_irradiance()[0] <= 0) return false;
+  alignas(64) RTCRay16 rays;
+  alignas(64) int valid[kPacketSize] = {-1};
+  SetRay(rays, 0, eye, to_sun_[0], 400, time);
+  surfaces_.Occlude(valid, rays);
+  return rays.tfar[0] >= 0;
+}
+
 void Sunlight::FallOn(const PacketPoses& poses, const LaneFlags& is_surface,
                       SurfacePoints& points) const {
   constexpr float kLift = 0.004f;          // [m] off the surface, against its own shadow

@@ -4,7 +4,6 @@
 #include "tests/simulator/layouts/lot_ground.h"
 #include "tests/simulator/layouts/lot_place.h"
 #include "tests/simulator/layouts/plan_place.h"
-#include "tests/simulator/layouts/slot_marks.h"
 #include "tests/simulator/scenes/garage_scene.h"
 #include "tests/simulator/scenes/lot_objects.h"
 #include "tests/simulator/scenes/street_scene.h"
@@ -15,16 +14,14 @@ namespace parkade::simulator {
 namespace {
 
 Scene BuildLot(const Place& place, const SceneOptions& options) {
-  LotLayout layout = PlanLot(options.seed, options.day);
-  AddBumps(options.speed_bumps, layout);
-  const PlaceLook look = LookOf(options.looks, options.seed);
+  const LotLayout layout = PlanLot(options);
+  const PlaceLook look = InSeason(LookOf(options.looks, options.seed), SeasonOf(options.season));
   const Weather weather = WeatherOf(options);
   Scene scene{.place = place,
               .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather,
                          options.sun_elevation),
               .ground = MakeLotGround(layout, place.ground)};
-  scene.ground_colors.push_back(PaintLot(layout, look.road, options.ground_texel, options.seed,
-                                         SlotMarksOf(options.slot_marks)));
+  scene.ground_colors.push_back(PaintLot(layout, look.road, options));
   Props props(scene.place.ground, options.seed, weather == Weather::kDusk, look, scene.materials);
   FurnishLot(layout, props);
   scene.objects = std::move(props.mesh());

@@ -176,9 +176,8 @@ Scene BuildGarage(const SceneOptions& options) {
   const Ground& ground = scene.place.ground;
   scene.ground = MakeFloors(layout, ground);
   for (int deck = 0; deck < layout.num_decks(); ++deck)
-    scene.ground_colors.push_back(PaintDeck(layout.decks[static_cast<size_t>(deck)],
-                                            GarageLayout::kStrip, options.ground_texel,
-                                            options.seed, deck));
+    scene.ground_colors.push_back(
+        PaintDeck(layout.decks[static_cast<size_t>(deck)], GarageLayout::kStrip, options, deck));
   for (size_t sheet = layout.ForecourtSheet(); sheet < ground.sheets().size(); ++sheet) {
     const GroundSheet& floor = ground.sheets()[sheet];
     const std::uint64_t seed = SeedOfPart(options.seed, sheet);
@@ -194,7 +193,8 @@ Scene BuildGarage(const SceneOptions& options) {
   structure.Pillars();
   structure.Rooms();
   structure.Fittings();
-  Props props(ground, options.seed, weather == Weather::kDusk, LookOf(options.looks, options.seed),
+  Props props(ground, options.seed, weather == Weather::kDusk,
+              InSeason(LookOf(options.looks, options.seed), SeasonOf(options.season)),
               scene.materials);
   FurnishOutside(layout, props);
   for (int deck = 0; deck < layout.num_decks(); ++deck)

@@ -71,6 +71,10 @@ class LotFurnisher {
     for (const ParkedCar& car : layout_.cars) props_.Car(car.footprint, 0, car.style, car.seed);
   }
 
+  void Heaps() {
+    for (const Rectangle& heap : layout_.heaps) props_.Heap(heap);
+  }
+
   void Surroundings() {
     const double length = layout_.length, width = layout_.width;
     const bool hedge_in_south = props_.random().Chance(0.5);
@@ -150,6 +154,7 @@ void FurnishLot(const LotLayout& layout, Props& props) {
   furnisher.Surroundings();
   furnisher.Town();
   furnisher.Cars();
+  furnisher.Heaps();
 }
 
 }  // namespace parkade::simulator

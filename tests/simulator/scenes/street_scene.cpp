@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/simulator/ground/ground_painter.h"
+#include "tests/simulator/ground/season.h"
 #include "tests/simulator/layouts/props.h"
 #include "tests/simulator/layouts/slot_marks.h"
 #include "tests/simulator/layouts/street_layout.h"
@@ -41,11 +42,31 @@ void MarkStreet(const StreetLayout& layout, const RoadField::Line& line, SlotMar
   }
 }
 
-GroundCanvas PaintStreet(const StreetLayout& layout, const RoadLook& road, SlotMarks marks,
-                         double texel, std::uint64_t seed) {
+/// Grates before the kerbs of both sides, and a gutter across here and there.
+void AddDrains(const StreetLayout& layout, GroundPainter& painter) {
+  Random& random = painter.random();
+  for (const RoadField::Line* line : {&layout.loop, &layout.cross}) {
+    for (double place = 3; place + 3 < static_cast<double>(line->size());
+         place += random.Uniform(7, 13)) {
+      const size_t index = static_cast<size_t>(place);
+      const Vector2d along = ((*line)[index + 1] - (*line)[index]).normalized(),
+                     left(-along.y(), along.x());
+      for (const double side : {-1.0, 1.0}) {
+        const Vector2d at = (*line)[index] + side * (StreetLayout::kHalfWidth - 0.25) * left;
+        if (layout.field.At(at) > -1) painter.Drain(at, std::atan2(along.y(), along.x()));
+      }
+      if (random.Chance(0.12)) painter.Gutter((*line)[index] - 5 * left, (*line)[index] + 5 * left);
+    }
+  }
+}
+
+GroundCanvas PaintStreet(const StreetLayout& layout, const RoadLook& road,
+                         const SceneOptions& options) {
+  constexpr double kCoarser = 2.5;  // than a lot's: a street is long
+  const SlotMarks marks = SlotMarksOf(options.slot_marks);
   const Vector2d min = layout.field.min(), max = layout.field.max();
-  GroundCanvas canvas(min, max, texel);
-  GroundPainter painter(max - min, canvas, seed);
+  GroundCanvas canvas(min, max, kCoarser * options.ground_texel);
+  GroundPainter painter(max - min, canvas, options.seed);
   painter.Asphalt(road, [&](float x, float y) { return layout.field.At({x, y}) < 0.4; });
   Random& random = painter.random();
   const auto anywhere = [&] {
@@ -69,6 +90,9 @@ GroundCanvas PaintStreet(const StreetLayout& layout, const RoadLook& road, SlotM
   }
   for (int i = 0; i < 40; ++i) painter.Manhole(anywhere());
   painter.Litter(9000, anywhere);
+  if (options.has_drains) AddDrains(layout, painter);
+  LaySeason(
+      SeasonOf(options.season), [&](const Vector2d& at) { return -layout.field.At(at); }, painter);
   canvas.Finish();
   return canvas;
 }
@@ -226,16 +250,14 @@ class StreetFurnisher {
 }  // namespace
 
 Scene BuildStreet(const SceneOptions& options) {
-  constexpr double kCoarser = 2.5;  // than a lot's: a street is long
   const StreetLayout layout = PlanStreet(options.seed, options.day);
-  const PlaceLook look = LookOf(options.looks, options.seed);
+  const PlaceLook look = InSeason(LookOf(options.looks, options.seed), SeasonOf(options.season));
   const Weather weather = WeatherOf(options);
   Scene scene{.place = MakeStreetPlace(layout, options),
               .sky = Sky(options.seed + 7919 * static_cast<std::uint64_t>(options.day), weather,
                          options.sun_elevation)};
   scene.ground = MakeRoad(layout, scene.place.ground);
-  scene.ground_colors.push_back(PaintStreet(layout, look.road, SlotMarksOf(options.slot_marks),
-                                            kCoarser * options.ground_texel, options.seed));
+  scene.ground_colors.push_back(PaintStreet(layout, look.road, options));
   Props props(scene.place.ground, options.seed, weather == Weather::kDusk, look, scene.materials);
   StreetFurnisher furnisher(layout, props);
   furnisher.Land();
