@@ -27,6 +27,15 @@ for i in {0..22} {24..44}; do
   drive "train/${scene}_$seed" 26 "$scene" "$seed" "${weathers[i % 5]}" $((i % 3)) "${options[@]}"
 done
 
+# 12 more of other seasons, with drains, dirty lenses and flare.
+places=(lot street lot street garage lot) seasons=(winter winter autumn autumn usual winter)
+for i in {0..11}; do
+  scene=${places[i % 6]} seed=$((1050 + i))
+  drive "train/${scene}_$seed" 26 "$scene" "$seed" "${weathers[i % 4]}" $((i % 3)) --traffic $((i % 3)) --set "looks=${looks[i % 3]}" \
+    --set "season=${seasons[i % 6]}" --set "has_drains=$([ $((i % 3)) = 0 ] && echo true || echo false)" \
+    --set "lens.dirt=0.$((i % 4 * 3))" --set "lens.flare=0.$((i % 2 * 8))"
+done
+
 drive val/lot_2000 14 lot 2000 overcast 0 --traffic 2
 drive val/garage_2001 14 garage 2001 dry 1 --traffic 2
 drive val/street_2002 14 street 2002 wet 0 --traffic 4
@@ -40,3 +49,5 @@ drive held/garage_2011 14 garage 2011 dry 0 --traffic 2 --set looks=unknown
 drive held/street_2012 14 street 2012 dry 0 --traffic 4 --set looks=unknown
 drive held/lot_2013 14 lot 2013 overcast 1 --traffic 2 --set looks=unknown
 drive held/street_2014 14 street 2014 wet 1 --traffic 4 --set looks=unknown
+drive held/lot_2015 14 lot 2015 dry 0 --traffic 2 --set looks=unknown --set season=winter
+drive held/street_2016 14 street 2016 overcast 0 --traffic 2 --set looks=unknown --set season=winter

@@ -261,6 +261,7 @@ GroundTexture PaintTexture(const TriangleMesh& mesh, const SurfaceMap& surface,
   GroundTexture texture{options.texel_size, options.chart_size, {}};
   if (!options.enabled || mesh.empty()) return texture;
   std::vector<GroundImage> images;
+  images.reserve(patches.views().size());
   std::vector<std::size_t> used;  // the image's patch
   for (std::size_t i = 0; i < patches.views().size(); ++i) {
     const PatchView& view = patches.views()[i];

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/files/file.h"
 #include "mapping/mesh/read_ply.h"
 #include "server/map_folder/odometry_fingerprint.h"
+#include "server/map_folder/report_file.h"
 #include "server/map_folder/surface_file.h"
 
 namespace parkade {
@@ -49,7 +49,7 @@ MapReader::MapReader(const std::filesystem::path& folder) : folder_(folder) {
   Require(std::filesystem::exists(folder / "report.json"), ErrorCode::kInvalidInput,
           folder.string() + " holds no map: it has no report.json");
   try {
-    const Json report = Json::parse(ReadFile(folder / "report.json"));
+    const Json report = ReadReport(folder);
     for (const Json& drive : report.at("drives")) {
       drives_.push_back(drive.at("name").get<std::string>());
       Remember(report, drive);

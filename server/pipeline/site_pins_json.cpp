@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
-#include "core/files/file.h"
 #include "core/geoid.h"
+#include "server/map_folder/report_file.h"
 #include "server/pipeline/site_pins.h"
 
 namespace parkade {
@@ -54,9 +54,9 @@ std::vector<SitePin> ReadPins(const std::filesystem::path& map) {
     return {};  // the missing map is reported where its odometry is needed
   std::vector<SitePin> pins;
   try {
-    const Json report = Json::parse(ReadFile(file));
+    const nlohmann::json report = ReadReport(map);
     if (const auto found = report.find("pins"); found != report.end())
-      for (const Json& pin : *found) pins.push_back(PinFromJson(pin));
+      for (const auto& pin : *found) pins.push_back(PinFromJson(pin));
   } catch (const Json::exception&) {
     throw Error(ErrorCode::kInvalidInput, file.string() + " is not the report of a map");
   }

@@ -140,8 +140,9 @@ std::vector<FeatureMatch> MatchKeyframes(const RigKeyframe& a, const RigKeyframe
     int distance = 0;
   };
   std::vector<std::optional<Best>> best_of_b(b.features.size());
+  const DescriptorSet of_b(b.descriptors);
   for (int row = 0; row < a.descriptors.rows; ++row) {
-    const NearestDescriptor nearest = FindNearestDescriptor(a.descriptors.ptr(row), b.descriptors);
+    const NearestDescriptor nearest = of_b.FindNearest(a.descriptors.ptr(row));
     if (nearest.index < 0 || nearest.distance > options.max_hamming ||
         nearest.distance > options.ratio * nearest.second_distance)
       continue;

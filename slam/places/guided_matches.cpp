@@ -20,35 +20,52 @@ struct Guess {
   int hamming = 0;
 };
 
-/// A keyframe's features by camera, with the one origin that the rays of a camera share.
-std::map<int, std::vector<size_t>> ByCamera(const RigKeyframe& keyframe) {
+/// A keyframe's features in one camera: their rays begin at one place.
+struct CameraFeatures {
+  Eigen::Vector3d origin;
+  std::vector<size_t> indices;
+  Eigen::MatrixX3d bearings;  ///< side by side: most of the time goes into their products
+};
+
+std::vector<CameraFeatures> ByCamera(const RigKeyframe& keyframe) {
   std::map<int, std::vector<size_t>> by_camera;
   for (size_t i = 0; i < keyframe.features.size(); ++i)
     by_camera[keyframe.features[i].camera].push_back(i);
-  return by_camera;
+  std::vector<CameraFeatures> cameras;
+  for (auto& [camera, indices] : by_camera) {
+    CameraFeatures& of_camera = cameras.emplace_back();
+    of_camera.origin = keyframe.features[indices.front()].origin;
+    of_camera.bearings.resize(static_cast<Eigen::Index>(indices.size()), 3);
+    Eigen::Index row = 0;
+    for (const size_t i : indices) of_camera.bearings.row(row++) = keyframe.features[i].bearing;
+    of_camera.indices = std::move(indices);
+  }
+  return cameras;
 }
 
 /// The feature of `other` that looks most like feature `index` of `keyframe` among those near where
 /// its point is seen.
 std::optional<Guess> FindNear(const RigKeyframe& keyframe, size_t index, const RigKeyframe& other,
-                              const std::map<int, std::vector<size_t>>& by_camera,
+                              const std::vector<CameraFeatures>& cameras,
                               const Rigid3& other_from_keyframe,
                               const RelativePoseOptions& options) {
   const KeyframeFeature& feature = keyframe.features[index];
   const Eigen::Vector3d point = other_from_keyframe * *feature.point;
   const uchar* wanted = keyframe.descriptors.ptr(static_cast<int>(index));
   NearestDescriptor nearest;
-  for (const auto& [camera, features] : by_camera) {
-    const Eigen::Vector3d view = point - other.features[features.front()].origin;
+  Eigen::VectorXd cosines;
+  for (const CameraFeatures& camera : cameras) {
+    const Eigen::Vector3d view = point - camera.origin;
     const double distance = view.norm();
     if (distance < 0.3) continue;
     const double off = std::hypot(kPosePlace, feature.depth_sigma) / distance;
     const double cosine = std::cos(std::min(kMaxAngle, kSigmas * std::hypot(off, kPoseAngle)));
     const Eigen::Vector3d direction = view / distance;
-    for (const size_t i : features) {
-      const int row = static_cast<int>(i);
-      if (other.features[i].bearing.dot(direction) >= cosine)
-        nearest.Add(row, HammingDistance(wanted, other.descriptors.ptr(row)));
+    cosines.noalias() = camera.bearings * direction;
+    for (size_t i = 0; i < camera.indices.size(); ++i) {
+      if (cosines[static_cast<Eigen::Index>(i)] < cosine) continue;
+      const int row = static_cast<int>(camera.indices[i]);
+      nearest.Add(row, HammingDistance(wanted, other.descriptors.ptr(row)));
     }
   }
   const std::optional<size_t> found = nearest.Found(options.max_hamming, options.ratio);
@@ -63,11 +80,11 @@ std::vector<FeatureMatch> FindGuidedMatches(const RigKeyframe& a, const RigKeyfr
   std::vector<Guess> guesses;
   const auto look = [&](const RigKeyframe& keyframe, const RigKeyframe& other,
                         const Rigid3& other_from_keyframe, bool is_of_a) {
-    const std::map<int, std::vector<size_t>> by_camera = ByCamera(other);
+    const std::vector<CameraFeatures> cameras = ByCamera(other);
     for (size_t i = 0; i < keyframe.features.size(); ++i) {
       if (!keyframe.features[i].point) continue;
       std::optional<Guess> guess =
-          FindNear(keyframe, i, other, by_camera, other_from_keyframe, options);
+          FindNear(keyframe, i, other, cameras, other_from_keyframe, options);
       if (!guess) continue;
       if (!is_of_a) std::swap(guess->match.a, guess->match.b);
       guesses.push_back(*guess);

