@@ -30,10 +30,10 @@ done
 # 12 more of other seasons, with drains, dirty lenses and flare.
 places=(lot street lot street garage lot) seasons=(winter winter autumn autumn usual winter)
 for i in {0..11}; do
-  scene=${places[i % 6]} seed=$((1050 + i))
-  drive "train/${scene}_$seed" 26 "$scene" "$seed" "${weathers[i % 4]}" $((i % 3)) --traffic $((i % 3)) --set "looks=${looks[i % 3]}" \
-    --set "season=${seasons[i % 6]}" --set "has_drains=$([ $((i % 3)) = 0 ] && echo true || echo false)" \
-    --set "lens.dirt=0.$((i % 4 * 3))" --set "lens.flare=0.$((i % 2 * 8))"
+  scene=${places[i % 6]} seed=$((1050 + i)) weather=${weathers[i % 5]}
+  drive "train/${scene}_$seed" 26 "$scene" "$seed" "$weather" $((i % 3)) --traffic $((i % 3)) --set "looks=${looks[i % 3]}" \
+    --set "season=${seasons[i % 6]}" --set "has_drains=$([ $((i % 4)) -lt 2 ] && echo true || echo false)" \
+    --set "lens.dirt=0.$((i * 7 % 10))" --set "lens.flare=$([ "$weather" = dry ] && echo 1 || echo 0)"
 done
 
 drive val/lot_2000 14 lot 2000 overcast 0 --traffic 2

@@ -1,6 +1,7 @@
 #include "server/map_folder/report_file.h"
 
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "core/files/file.h"
 
@@ -8,11 +9,13 @@ namespace parkade {
 
 nlohmann::json ReadReport(const std::filesystem::path& map) {
   using Json = nlohmann::json;
-  constexpr int kOfJoin = 2;  // the depth of its members
-  return Json::parse(
-      ReadFile(map / "report.json"), [](int depth, Json::parse_event_t event, const Json& parsed) {
-        return event != Json::parse_event_t::key || depth != kOfJoin || parsed != "pairs";
-      });
+  std::string member;  // of the report, of which parts are read
+  return Json::parse(ReadFile(map / "report.json"),
+                     [&](int depth, Json::parse_event_t event, const Json& parsed) {
+                       if (event != Json::parse_event_t::key) return true;
+                       if (depth == 1) member = parsed.get<std::string>();
+                       return depth != 2 || member != "join" || parsed != "pairs";
+                     });
 }
 
 }  // namespace parkade

@@ -15,6 +15,7 @@ using nlohmann::json;
 TEST(ReadReport, LeavesOutThePairsOfJoinAlone) {
   const TemporaryRoot root;
   json report = {{"pairs", 1},
+                 {"other", {{"pairs", 1}}},
                  {"drives", {{{"name", "a"}, {"loops", {{"pairs", {1, 2}}}}}}},
                  {"join", {{"adjustment", {{"pairs", 7}}}, {"seconds", 1.5}}}};
   json whole = report;

@@ -72,7 +72,9 @@ void GroundCanvas::Paint(const Eigen::Vector2d& center, double reach,
           level.texels[static_cast<size_t>(row) * static_cast<size_t>(level.width) +
                        static_cast<size_t>(column)];
       const bool is_covered = touch.cover > 0.5f;
-      const std::uint32_t mark = is_covered && touch.is_marking ? kMarking : texel & kMarking;
+      const std::uint32_t mark = is_covered && touch.is_marking      ? kMarking
+                                 : is_covered && touch.hides_marking ? 0
+                                                                     : texel & kMarking;
       texel = Encode(Decode(Unpack(texel)) * (1 - touch.cover) + touch.color * touch.cover) | mark;
     }
   };

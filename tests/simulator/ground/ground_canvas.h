@@ -28,7 +28,8 @@ class GroundCanvas {
   struct Touch {
     Color color;
     float cover = 0;
-    bool is_marking = false;  ///< where it covers half
+    bool is_marking = false;     ///< where it covers half
+    bool hides_marking = false;  ///< the same
   };
   /// Visits the texels of a box [m] around `center`, large boxes on all cores.
   void Paint(const Eigen::Vector2d& center, double reach,

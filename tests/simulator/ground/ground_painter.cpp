@@ -179,22 +179,22 @@ void GroundPainter::Drain(const Vector2d& center, double yaw) {
   const float c = static_cast<float>(std::cos(yaw)), s = static_cast<float>(std::sin(yaw));
   canvas_.Paint(center, 0.32, [&](float x, float y) -> GroundCanvas::Touch {
     const float distance = static_cast<float>(frame.SignedDistance(Vector2d(x, y)));
-    if (distance > -0.03f) return {Gray(0.11f), Cover(distance, texel_)};
+    if (distance > -0.03f) return {Gray(0.11f), Cover(distance, texel_), false, true};
     const Vector2f offset = Vector2f(x, y) - center.cast<float>();
     const float along = (c * offset.x() + s * offset.y()) / 0.05f;
-    return {Gray(std::abs(along - std::round(along)) < 0.25f ? 0.015f : 0.09f), 1};
+    return {Gray(std::abs(along - std::round(along)) < 0.25f ? 0.015f : 0.09f), 1, false, true};
   });
 }
 
 void GroundPainter::Gutter(const Vector2d& from, const Vector2d& to) {
   const Vector2f a = from.cast<float>(), b = to.cast<float>(), along = (b - a).normalized();
-  canvas_.Paint((from + to) / 2, (to - from).norm() / 2 + 0.2,
-                [&](float x, float y) -> GroundCanvas::Touch {
-                  const float aside = DistanceToSegment({x, y}, a, b);
-                  if (aside > 0.08f) return {Gray(0.26f), 0.8f * Cover(aside - 0.14f, texel_)};
-                  const float bar = (Vector2f(x, y) - a).dot(along) / 0.04f;
-                  return {Gray(std::abs(bar - std::round(bar)) < 0.3f ? 0.02f : 0.12f), 1};
-                });
+  canvas_.Paint(
+      (from + to) / 2, (to - from).norm() / 2 + 0.2, [&](float x, float y) -> GroundCanvas::Touch {
+        const float aside = DistanceToSegment({x, y}, a, b);
+        if (aside > 0.08f) return {Gray(0.26f), 0.8f * Cover(aside - 0.14f, texel_), false, true};
+        const float bar = (Vector2f(x, y) - a).dot(along) / 0.04f;
+        return {Gray(std::abs(bar - std::round(bar)) < 0.3f ? 0.02f : 0.12f), 1, false, true};
+      });
 }
 
 void GroundPainter::Leaf(const Vector2d& center) {
@@ -210,7 +210,8 @@ void GroundPainter::Leaf(const Vector2d& center) {
     const Vector2f offset = Vector2f(x, y) - center.cast<float>();
     const float along = offset.dot(axis) / static_cast<float>(half_length),
                 across = (offset.x() * axis.y() - offset.y() * axis.x()) / half_width;
-    return {color, 0.95f * Cover((std::hypot(along, across) - 1) * half_width, texel_)};
+    return {color, 0.95f * Cover((std::hypot(along, across) - 1) * half_width, texel_), false,
+            true};
   });
 }
 
@@ -227,7 +228,7 @@ void GroundPainter::Snow(const std::function<double(const Vector2d&)>& depth) {
         const float cover = SmoothStep(0.35f, 0.65f, deep + kRagged * broad + 0.25f * fine);
         if (cover <= 0) return {};
         const float trodden = 0.62f + 0.12f * broad + 0.08f * fine;
-        return {Rgb(0.97f * trodden, 0.99f * trodden, 1.03f * trodden), 0.96f * cover};
+        return {Rgb(0.97f * trodden, 0.99f * trodden, 1.03f * trodden), 0.96f * cover, false, true};
       });
 }
 

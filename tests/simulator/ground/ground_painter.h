@@ -43,7 +43,8 @@ class GroundPainter {
   void Gutter(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
   /// A fallen leaf of a tree, 4 to 12 cm.
   void Leaf(const Eigen::Vector2d& center);
-  /// Snow where `depth` is 1 or more, none where it is 0 or less, ragged patches between.
+  /// Snow nearly everywhere that `depth` is 1 or more, hardly any where it is 0 or less, ragged
+  /// patches between.
   void Snow(const std::function<double(const Eigen::Vector2d&)>& depth);
   /// A worn line of paint.
   void Line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double width, float wear,

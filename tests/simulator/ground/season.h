@@ -11,7 +11,7 @@ namespace parkade::simulator {
 enum class Season {
   kUsual,   ///< a little litter
   kAutumn,  ///< leaves in drifts along kerbs, some everywhere
-  kWinter,  ///< snow, deep at kerbs, thin or gone where cars drive; heaps in a few slots
+  kWinter,  ///< snow, deep at kerbs, thin or gone where cars drive; heaps in a lot's free slots
 };
 
 /// "usual", "autumn", "winter". Throws Error{kUsage} for others.

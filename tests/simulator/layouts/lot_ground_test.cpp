@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "tests/simulator/layouts/plan_place.h"
+
 namespace parkade::simulator {
 namespace {
 
@@ -102,6 +104,26 @@ TEST(LotGround, SnowLiesAtKerbsAndLeavesMostlyThere) {
   EXPECT_LT(leaves.in_open, 0.1 * leaves.at_kerb + 0.02);
 }
 
+TEST(LotGround, SnowHidesMarkings) {
+  const LotLayout layout = PlanLot(3, 0);
+  const auto num_marked = [&](const std::string& season) {
+    const GroundCanvas canvas =
+        PaintLot(layout, {}, {.seed = 3, .ground_texel = 0.04, .season = season});
+    int marked = 0;
+    for (const Rectangle& slot : layout.slots)
+      for (int step = -120; step < 120; ++step) {
+        const Eigen::Vector2d into(std::cos(slot.yaw), std::sin(slot.yaw)),
+            line = slot.center + 0.02 * step * into +
+                   slot.half_size.y() * Eigen::Vector2d(-into.y(), into.x());
+        marked += canvas.IsMarking(static_cast<float>(line.x()), static_cast<float>(line.y()));
+      }
+    return marked;
+  };
+  const int usual = num_marked("usual"), winter = num_marked("winter");
+  EXPECT_LT(winter, 0.9 * usual);
+  EXPECT_GT(winter, 0.4 * usual);
+}
+
 TEST(LotGround, DrainsLeaveTheRestAsItWas) {
   const LotLayout layout = PlanLot(3, 0);
   constexpr double kTexel = 0.04;
@@ -127,11 +149,25 @@ TEST(LotLayout, HeapsOfSnowLieInFreeSlotsAndAreNotDrivable) {
     EXPECT_TRUE(same.heaps.empty());
     for (const Rectangle& heap : lot.heaps) {
       EXPECT_FALSE(lot.IsDrivable(heap.center));
+      const Eigen::Vector2d along(std::cos(heap.yaw), std::sin(heap.yaw));
+      EXPECT_FALSE(lot.IsDrivable(heap.center - 0.95 * heap.half_size.x() * along));
+      EXPECT_TRUE(lot.IsDrivable(heap.Corner(0))) << "outside of the ellipse";
       EXPECT_TRUE(same.IsDrivable(heap.center)) << "a car stands there";
       EXPECT_TRUE(std::any_of(lot.slots.begin(), lot.slots.end(), [&](const Rectangle& slot) {
         return slot.SignedDistance(heap.center) < -heap.half_size.minCoeff() + 1e-9;
       }));
     }
+  }
+}
+
+TEST(LotPlace, NobodyParksInAHeap) {
+  for (std::uint64_t seed = 1; seed < 6; ++seed) {
+    const Place place = PlanPlace("lot", {.seed = seed, .season = "winter"});
+    EXPECT_EQ(std::count_if(place.slots.begin(), place.slots.end(),
+                            [](const ParkingSlot& slot) { return slot.is_blocked; }),
+              3);
+    const RoutePlan plan = place.plan_route({.length = 60, .ends_in_slot = true, .seed = seed});
+    EXPECT_FALSE(plan.slot && plan.slot->is_blocked);
   }
 }
 

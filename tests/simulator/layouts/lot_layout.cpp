@@ -57,11 +57,18 @@ void ParkCars(LotLayout& lot, Random& random) {
 
 }  // namespace
 
+/// Whether a point lies in the ellipse that touches the sides of a rectangle.
+bool InEllipse(const Rectangle& rectangle, const Eigen::Vector2d& point) {
+  const Eigen::Vector2d local = Eigen::Rotation2Dd(-rectangle.yaw) * (point - rectangle.center);
+  return local.cwiseQuotient(rectangle.half_size).squaredNorm() <= 1;
+}
+
 bool LotLayout::IsDrivable(const Eigen::Vector2d& point) const {
   if (point.x() < 0 || point.y() < 0 || point.x() > length || point.y() > width) return false;
   const auto covers = [&](const Rectangle& rectangle) { return rectangle.Contains(point); };
   return std::none_of(islands.begin(), islands.end(), covers) &&
-         std::none_of(heaps.begin(), heaps.end(), covers) &&
+         std::none_of(heaps.begin(), heaps.end(),
+                      [&](const Rectangle& heap) { return InEllipse(heap, point); }) &&
          std::none_of(cars.begin(), cars.end(),
                       [&](const ParkedCar& car) { return covers(car.footprint); });
 }

@@ -43,7 +43,7 @@ struct LotLayout {
   std::vector<Eigen::Vector2d> long_loop, short_loop;
   double aisle_y[2] = {0, 0};          ///< [m] center lines
   std::vector<Eigen::Vector2d> bumps;  ///< middles of speed bumps across an aisle
-  std::vector<Rectangle> heaps;        ///< of snow, in slots
+  std::vector<Rectangle> heaps;        ///< of snow, in slots: the ellipses inside
 
   /// Asphalt that a car may drive on: neither island nor parked car nor heap.
   bool IsDrivable(const Eigen::Vector2d& point) const;

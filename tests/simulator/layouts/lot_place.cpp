@@ -89,7 +89,8 @@ std::optional<ParkingSlot> ChooseSlot(const std::vector<ParkingSlot>& slots,
   const ParkingSlot* best = nullptr;
   double best_cost = 1e9;
   for (const ParkingSlot& slot : slots) {
-    if (slot.is_occupied || std::abs(slot.outline.center.y() - end.y()) > 8) continue;
+    if (slot.is_occupied || slot.is_blocked || std::abs(slot.outline.center.y() - end.y()) > 8)
+      continue;
     double cost = std::abs(slot.outline.center.x() - end.x());
     for (const ParkingSlot& other : slots)
       if (other.is_occupied && (other.outline.center - slot.outline.center).norm() < 2.7) cost += 8;
@@ -119,10 +120,12 @@ Place MakeLotPlace(const LotLayout& layout_in, const SceneOptions& options) {
     const auto stands_in = [&](const ParkedCar& car) {
       return outline.Contains(car.footprint.center);
     };
+    const auto lies_in = [&](const Rectangle& heap) { return outline.Contains(heap.center); };
     place.slots.push_back(
         {.outline = outline,
          .height = place.ground.Height(outline.center, 0),
-         .is_occupied = std::any_of(layout->cars.begin(), layout->cars.end(), stands_in)});
+         .is_occupied = std::any_of(layout->cars.begin(), layout->cars.end(), stands_in),
+         .is_blocked = std::any_of(layout->heaps.begin(), layout->heaps.end(), lies_in)});
   }
   place.is_drivable = [layout](size_t, const Eigen::Vector2d& xy) {
     return layout->IsDrivable(xy);

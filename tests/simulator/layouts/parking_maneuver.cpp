@@ -90,7 +90,8 @@ std::vector<ParkingSlot> Candidates(const Place& place, const RoutePlan& plan) {
     return (slot.outline.center - end.head<2>()).norm();
   };
   for (const ParkingSlot& slot : place.slots)
-    if (!slot.is_occupied && std::abs(slot.height - end.z()) < 1.5 && distance(slot) < 60)
+    if (!slot.is_occupied && !slot.is_blocked && std::abs(slot.height - end.z()) < 1.5 &&
+        distance(slot) < 60)
       candidates.push_back(slot);
   std::sort(candidates.begin(), candidates.end(),
             [&](const ParkingSlot& a, const ParkingSlot& b) { return distance(a) < distance(b); });

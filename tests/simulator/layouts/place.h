@@ -20,7 +20,7 @@ struct SceneOptions {
   std::string weather = "";  ///< dry, overcast, wet, dusk; empty: as the day wants it, dry on day 0
   std::string looks = "classic";     ///< of what the ground is made (LookOf)
   std::string slot_marks = "usual";  ///< also tees, corners (SlotMarks)
-  std::string season = "usual";      ///< also autumn, winter (Season); of grounds in the open
+  std::string season = "usual";      ///< of a lot or street; also autumn, winter (Season)
   bool has_drains = false;           ///< grates at kerbs and gutters across the ground
   double sun_elevation = 0;          ///< [degrees]; 0: as the place wants it
   bool has_own_car = true;           ///< false: neither it nor its shadow is to be seen
@@ -37,6 +37,7 @@ struct ParkingSlot {
   double height = 0;  ///< [m] of the ground in its middle
   std::string kind = "standard";
   bool is_occupied = false;
+  bool is_blocked = false;  ///< by a heap of snow
 };
 
 /// What a drive should be like.

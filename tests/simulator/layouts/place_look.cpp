@@ -167,6 +167,7 @@ PlaceLook InSeason(PlaceLook look, Season season) {
     if (share < 0.5f) return;
     ground.texture = is_winter ? TextureKind::kPlaster : TextureKind::kLeaves;
     ground.texture_contrast = is_winter ? 0.06f : 0.5f;
+    ground.surface = SurfaceClass::kVegetation;
   };
   lay(look.land, 0.95f);
   lay(look.island, 0.95f);

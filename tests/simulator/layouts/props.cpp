@@ -166,18 +166,12 @@ void Props::Bin(const Vector2d& at) {
 }
 
 void Props::Heap(const Rectangle& outline) {
-  for (int part = 0; part < 5; ++part) {
-    const double share = random_.Uniform(0.4, 0.6);
-    const Vector2d aside =
-        Vector2d(random_.Uniform(-1, 1), random_.Uniform(-1, 1)) * (0.95 - share);
-    const double c = std::cos(outline.yaw), s = std::sin(outline.yaw),
-                 x = aside.x() * outline.half_size.x(), y = aside.y() * outline.half_size.y();
-    const Vector2d at = outline.center + Vector2d(c * x - s * y, s * x + c * y);
-    const double radius = share * outline.half_size.minCoeff();
-    mesh_.AddBlob(OnGround(at.x(), at.y(), 0.1),
-                  {radius, radius, random_.Uniform(0.25, 0.6) * outline.half_size.minCoeff()}, 0.3,
-                  static_cast<std::uint32_t>(random_.Bits()), snow_, 10);
-  }
+  const double height = random_.Uniform(0.4, 0.9);
+  Mesh heap;
+  heap.AddBlob(Vector3d::Zero(), {outline.half_size.x(), outline.half_size.y(), height}, 0.12,
+               static_cast<std::uint32_t>(random_.Bits()), snow_, 14);
+  mesh_.Append(heap, {Eigen::Quaterniond(Eigen::AngleAxisd(outline.yaw, Vector3d::UnitZ())),
+                      OnGround(outline.center.x(), outline.center.y(), 0)});
 }
 
 void Props::Building(const Rectangle& outline, double height, bool is_detailed) {

@@ -40,7 +40,7 @@ class Props {
   /// A sign on a pole facing `yaw`, with a pattern of its own.
   void Sign(const Eigen::Vector2d& at, double yaw);
   void Bin(const Eigen::Vector2d& at);
-  /// A heap of shoveled snow.
+  /// A heap of shoveled snow, the ellipse in `outline`.
   void Heap(const Rectangle& outline);
   void Building(const Rectangle& outline, double height, bool is_detailed);
   /// A car in the middle of `footprint`, on the plane that touches the ground there near `near_z`.

@@ -2,6 +2,7 @@
 
 #include "tests/simulator/common/noise.h"
 #include "tests/simulator/common/random.h"
+#include "tests/simulator/render/cover_lens.h"
 
 namespace parkade::simulator {
 
@@ -27,14 +28,7 @@ void LensCover::Apply(cv::Mat& radiance) const {
   const cv::Vec3f mud(0.5f, 0.42f, 0.33f);
   const cv::Scalar mean = cv::mean(radiance);
   const float glow = is_mud_ ? 0.25f * static_cast<float>(mean[1]) : 0;
-  for (int row = 0; row < radiance.rows; ++row) {
-    for (int column = 0; column < radiance.cols; ++column) {
-      const float through = transmission_.at<float>(row, column);
-      cv::Vec3f& light = radiance.at<cv::Vec3f>(row, column);
-      const bool is_in_lens = light != cv::Vec3f::zeros();
-      light = through * light + (is_in_lens ? (1 - through) * glow : 0.0f) * mud;
-    }
-  }
+  CoverLens(transmission_, glow * mud, radiance);
 }
 
 CoveredLens::CoveredLens(const FaultOptions& faults, size_t camera, cv::Size size,

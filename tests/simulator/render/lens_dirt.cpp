@@ -6,6 +6,7 @@
 
 #include "tests/simulator/common/noise.h"
 #include "tests/simulator/common/random.h"
+#include "tests/simulator/render/cover_lens.h"
 
 namespace parkade::simulator {
 namespace {
@@ -57,18 +58,13 @@ LensDirt::LensDirt(double dirt, cv::Size size, std::uint64_t seed) {
 
 void LensDirt::Apply(cv::Mat& radiance) const {
   if (transmission_.empty()) return;
-  constexpr float kScattered = 0.5f;  // of what does not pass
-  const cv::Scalar mean = cv::mean(radiance);
-  const cv::Vec3f haze(static_cast<float>(mean[0]), static_cast<float>(mean[1]),
-                       static_cast<float>(mean[2]));
-  for (int row = 0; row < radiance.rows; ++row) {
-    for (int column = 0; column < radiance.cols; ++column) {
-      cv::Vec3f& light = radiance.at<cv::Vec3f>(row, column);
-      if (light == cv::Vec3f::zeros()) continue;
-      const float through = transmission_.at<float>(row, column);
-      light = through * light + kScattered * (1 - through) * haze;
-    }
-  }
+  constexpr double kScattered = 0.5;  // of what does not pass
+  cv::Mat green;
+  cv::extractChannel(radiance, green, 1);
+  const cv::Scalar haze = kScattered * cv::mean(radiance, green > 0);  // of what the lens shows
+  CoverLens(transmission_,
+            {static_cast<float>(haze[0]), static_cast<float>(haze[1]), static_cast<float>(haze[2])},
+            radiance);
 }
 
 }  // namespace parkade::simulator

@@ -13,7 +13,7 @@ namespace parkade::simulator {
 namespace {
 
 Shot FlareShot(const Rig& rig, const Eigen::Vector3d& axis, double flare) {
-  // The first camera looks along `axis` from 1.5 m above the lot's middle aisle.
+  // The first camera looks along `axis`, high above the lot, where nothing hides the sun.
   const Rigid3 body_from_camera = rig.cameras[0].body_from_camera;
   const Eigen::Quaterniond look =
       Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis);

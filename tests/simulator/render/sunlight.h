@@ -11,8 +11,8 @@ class Sunlight {
   /// Keeps references. `own_car` holds the own car alone, in body.
   Sunlight(const Scene& scene, const SceneSurfaces& surfaces, const RayScene& own_car);
 
-  /// Whether nothing but the lens itself is between an eye in the world and the sun. `time`: 0..1
-  /// over the image.
+  /// Whether neither the world nor what moves hides the sun from an eye; the own car is not asked.
+  /// `time`: 0..1 over the image.
   bool Shines(const Eigen::Vector3f& eye, float time) const;
 
   /// Sets SurfacePoint::sun of the lanes that are a surface.

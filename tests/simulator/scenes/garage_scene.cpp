@@ -193,8 +193,7 @@ Scene BuildGarage(const SceneOptions& options) {
   structure.Pillars();
   structure.Rooms();
   structure.Fittings();
-  Props props(ground, options.seed, weather == Weather::kDusk,
-              InSeason(LookOf(options.looks, options.seed), SeasonOf(options.season)),
+  Props props(ground, options.seed, weather == Weather::kDusk, LookOf(options.looks, options.seed),
               scene.materials);
   FurnishOutside(layout, props);
   for (int deck = 0; deck < layout.num_decks(); ++deck)
