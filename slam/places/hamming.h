@@ -44,7 +44,7 @@ struct DescriptorBlock {
   std::array<std::array<std::uint64_t, kAbreast>, kDescriptorBytes / 8> words{};
 };
 
-/// Descriptors to search, laid out as vectors of a processor compare them: 0.4 ns a row where it
+/// Descriptors to search, laid out as vectors of a processor compare them: 0.6 ns a row where it
 /// counts bits of vectors (AVX512-VPOPCNTDQ), else 2 ns.
 class DescriptorSet {
  public:

@@ -44,6 +44,9 @@ class CommandLine(unittest.TestCase):
         self.refuses(2, "--out", "lot")
         self.refuses(2, "unknown option", "lot", "--out", out, "--set", "faults.snow=1")
         self.refuses(2, "640x400", "lot", "--out", out, "--size", "big")
+        self.refuses(2, "season", "lot", "--out", out, "--set", "season=spring")
+        self.refuses(2, "dirt", "lot", "--out", out, "--set", "lens.dirt=2")
+        self.refuses(2, "flare", "lot", "--out", out, "--set", "lens.flare=-1")
         self.refuses(2, "before it begins", "lot", "--out", out, "--set", "faults.slip.begin=5", "--set",
                      "faults.slip.end=4")
         self.refuses(2, "out99", "suite", "--only", "out99", "--out", out)

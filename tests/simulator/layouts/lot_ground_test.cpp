@@ -30,6 +30,13 @@ double CorrelationOf(const GroundCanvas& a, const GroundCanvas& b, double aisle)
   return (n * xy - x * y) / std::sqrt((n * xx - x * x) * (n * yy - y * y));
 }
 
+/// The ground of lot 3 as the options want it, but for its coarser texels.
+GroundCanvas PaintLot3(const LotLayout& layout, SceneOptions options) {
+  options.seed = 3;
+  options.ground_texel = 0.04;
+  return PaintLot(layout, {}, options);
+}
+
 TEST(LotGround, NoDeckHasTheFloorOfAnother) {
   const LotLayout layout = PlanLot(3, 0);
   constexpr double kTexel = 0.05;
@@ -45,10 +52,8 @@ TEST(LotGround, NoDeckHasTheFloorOfAnother) {
 
 TEST(LotGround, TeesMarkTheEntrancesOfSlotsAlone) {
   const LotLayout layout = PlanLot(3, 0);
-  constexpr double kTexel = 0.04;
-  const GroundCanvas lines = PaintLot(layout, {}, {.seed = 3, .ground_texel = kTexel}),
-                     tees = PaintLot(layout, {},
-                                     {.seed = 3, .ground_texel = kTexel, .slot_marks = "tees"});
+  const GroundCanvas lines = PaintLot3(layout, {}),
+                     tees = PaintLot3(layout, {.slot_marks = "tees"});
   double at_middle[2] = {0, 0}, at_bar[2] = {0, 0};  // mean luminance
   for (const Rectangle& slot : layout.slots) {
     const Eigen::Vector2d into(std::cos(slot.yaw), std::sin(slot.yaw)), across(-into.y(), into.x());
@@ -68,17 +73,14 @@ TEST(LotGround, TeesMarkTheEntrancesOfSlotsAlone) {
   EXPECT_GT(at_bar[1], 2 * at_bar[0]);
 }
 
-/// Of what lies on the ground, by distance from the kerbs; places on markings do not count.
+/// Shares of places that a season changed, within 0.4 m of a kerb and beyond 4 m.
 struct Rims {
-  double at_kerb = 0, in_open = 0;  // share of places that the season changed
+  double at_kerb = 0, in_open = 0;
 };
 
 Rims ChangedBy(const std::string& season) {
   const LotLayout layout = PlanLot(3, 0);
-  constexpr double kTexel = 0.04;
-  const GroundCanvas usual = PaintLot(layout, {}, {.seed = 3, .ground_texel = kTexel}),
-                     changed = PaintLot(layout, {},
-                                        {.seed = 3, .ground_texel = kTexel, .season = season});
+  const GroundCanvas usual = PaintLot3(layout, {}), changed = PaintLot3(layout, {.season = season});
   double num_at_kerb = 0, num_in_open = 0;
   Rims rims;
   for (double x = 0.05; x < layout.length; x += 0.1) {
@@ -107,8 +109,7 @@ TEST(LotGround, SnowLiesAtKerbsAndLeavesMostlyThere) {
 TEST(LotGround, SnowHidesMarkings) {
   const LotLayout layout = PlanLot(3, 0);
   const auto num_marked = [&](const std::string& season) {
-    const GroundCanvas canvas =
-        PaintLot(layout, {}, {.seed = 3, .ground_texel = 0.04, .season = season});
+    const GroundCanvas canvas = PaintLot3(layout, {.season = season});
     int marked = 0;
     for (const Rectangle& slot : layout.slots)
       for (int step = -120; step < 120; ++step) {
@@ -126,10 +127,8 @@ TEST(LotGround, SnowHidesMarkings) {
 
 TEST(LotGround, DrainsLeaveTheRestAsItWas) {
   const LotLayout layout = PlanLot(3, 0);
-  constexpr double kTexel = 0.04;
-  const GroundCanvas usual = PaintLot(layout, {}, {.seed = 3, .ground_texel = kTexel}),
-                     drained = PaintLot(layout, {},
-                                        {.seed = 3, .ground_texel = kTexel, .has_drains = true});
+  const GroundCanvas usual = PaintLot3(layout, {}),
+                     drained = PaintLot3(layout, {.has_drains = true});
   double num = 0, num_changed = 0;
   for (float x = 0.05f; x < layout.length; x += 0.1f) {
     for (float y = 0.05f; y < layout.width; y += 0.1f) {
