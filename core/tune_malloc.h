@@ -8,6 +8,13 @@ namespace parkade {
 /// their work.
 void TuneMalloc();
 
+/// Starts the program again, once, with malloc's memory in pages of 2 MB where the system gives
+/// them to who asks (madvise): each first touch of one of 4 KB is dear on virtual machines, and
+/// malloc reads this setting (a tunable of glibc) only as it starts. Call it first of all. Returns
+/// where there is nothing to gain, or the program cannot be started again. \param arguments  of
+/// main, the last one null
+void UseHugePages(char* const* arguments);
+
 /// Gives back to the system what was let go and nothing has taken since: between stages, and
 /// before what takes most in one, so that what was left does not add to what is needed.
 void ReleaseIdleMemory();

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <array>
+#include <cstdlib>
 #include <memory>
 #include <vector>
 
@@ -42,6 +46,40 @@ TEST(ReleaseIdleMemory, WhatIsLetGoBelowWhatIsHeldNeedsNewPages) {
   const long before = PageFaults();
   const std::vector<char> again(kSize, 2);
   EXPECT_GE(PageFaults() - before, kPages / 2);
+}
+
+constexpr const char* kTunables = "GLIBC_TUNABLES";
+constexpr int kReturned = 77;
+
+/// The status with which this program ends when a child asks for huge pages, its tunables being
+/// those given; kReturned where it was not started again.
+int StatusWithTunables(const char* tunables) {
+  std::array<char*, 4> arguments{const_cast<char*>("parkade_core_tests"),
+                                 const_cast<char*>("--gtest_filter=*StartedAgain"),
+                                 const_cast<char*>("--gtest_also_run_disabled_tests"), nullptr};
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::setenv(kTunables, tunables, 1);
+    UseHugePages(arguments.data());
+    ::_exit(kReturned);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WEXITSTATUS(status);
+}
+
+TEST(UseHugePages, DISABLED_StartedAgain) {
+  EXPECT_STREQ(std::getenv(kTunables), "glibc.malloc.top_pad=131072:glibc.malloc.hugetlb=1");
+}
+
+TEST(UseHugePages, TheProgramStartsAgainAndKeepsOtherTunables) {
+  const int status = StatusWithTunables("glibc.malloc.top_pad=131072");
+  if (status == kReturned) GTEST_SKIP() << "the system does not give huge pages to who asks";
+  EXPECT_EQ(status, 0);
+}
+
+TEST(UseHugePages, OneThatHasSaidSoIsNotStartedAgain) {
+  EXPECT_EQ(StatusWithTunables("glibc.malloc.hugetlb=0"), kReturned);
 }
 
 }  // namespace
