@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <tuple>
-#include <unordered_map>
+#include <optional>
 
 #include "core/log.h"
 #include "core/parallel.h"
@@ -30,8 +28,6 @@ constexpr double kPlaneShare =
     0.1;  // weight of a square of a keyframe's plane: those around it err alike
 constexpr double kContinuedSigma =
     1;  // [m] of a plane beyond the wheels: how far it holds, SpreadSigmas says
-constexpr double kPoseDistance = 0.5;  // [m] between poses that heights may be tied to
-constexpr double kPoseSquare = 8.0;    // [m] of the squares in which these are sorted
 
 /// Every third keyframe of each camera: enough to come near the ground, in a third of the time.
 class EveryThird final : public PatchSource {
@@ -61,63 +57,6 @@ void AddContacts(const DrivenPath& path, const HeightOptions& options,
     observations.push_back({contact.point_in_site, 1 / variance});
   }
 }
-
-/// Ties points of site to the poses of a path that are nearest to them.
-class PoseTies {
- public:
-  explicit PoseTies(const DrivenPath* path) {
-    if (path == nullptr) return;
-    const TrajectoryState* last = nullptr;
-    for (const TrajectoryState& state : path->site_from_body.states()) {
-      const Eigen::Vector3d& place = state.world_from_body.translation;
-      if (last && (place - last->world_from_body.translation).norm() < kPoseDistance) continue;
-      last = &state;
-      poses_.push_back(&state);
-      squares_[SquareOf(place)].push_back(&state);
-    }
-  }
-
-  DriveHeight Tie(const HeightObservation& height) const {
-    DriveHeight tied{{},
-                     height.point_in_site.cast<float>(),
-                     static_cast<float>(height.weight),
-                     static_cast<float>(height.sigma)};
-    if (const TrajectoryState* pose = NearestTo(height.point_in_site)) {
-      tied.time = pose->time;
-      tied.point_in_body = (pose->world_from_body.Inverse() * height.point_in_site).cast<float>();
-    }
-    return tied;
-  }
-
- private:
-  static std::pair<int, int> SquareOf(const Eigen::Vector3d& point) {
-    return {static_cast<int>(std::floor(point.x() / kPoseSquare)),
-            static_cast<int>(std::floor(point.y() / kPoseSquare))};
-  }
-
-  /// Taken from the squares around a point, or from all where these are empty.
-  const TrajectoryState* NearestTo(const Eigen::Vector3d& point) const {
-    const TrajectoryState* nearest = nullptr;
-    double least = std::numeric_limits<double>::max();
-    const auto look = [&](const std::vector<const TrajectoryState*>& poses) {
-      for (const TrajectoryState* pose : poses) {
-        const double distance = (pose->world_from_body.translation - point).squaredNorm();
-        if (distance < least) least = distance, nearest = pose;
-      }
-    };
-    const auto [x, y] = SquareOf(point);
-    for (int reach = 1; reach <= 2 && least > reach * reach * kPoseSquare * kPoseSquare; ++reach)
-      for (int sx = x - reach; sx <= x + reach; ++sx)
-        for (int sy = y - reach; sy <= y + reach; ++sy)
-          if (const auto found = squares_.find({sx, sy}); found != squares_.end())
-            look(found->second);
-    if (nearest == nullptr) look(poses_);
-    return nearest;
-  }
-
-  std::vector<const TrajectoryState*> poses_;
-  std::map<std::pair<int, int>, std::vector<const TrajectoryState*>> squares_;
-};
 
 std::vector<DriveHeight> TieAll(const std::vector<HeightObservation>& heights,
                                 const PoseTies& ties) {
@@ -150,32 +89,27 @@ class MeasuredSquares {
   PatchIndex index_;
 };
 
-/// Where heights of a drive lie now. Many are tied to one pose.
-class TiedPoints {
- public:
-  explicit TiedPoints(const DrivenPath* path) : path_(path) {}
+/// How the car leans, and how far its planes err.
+void Lean(const SuspensionModel& lean, double plane_errors, DrivenPath& path) {
+  path.lean = lean;
+  path.plane_errors = plane_errors;
+}
 
-  /// Nothing where the path does not reach the height's time.
-  std::optional<Eigen::Vector3d> InSite(const DriveHeight& height) {
-    const Eigen::Vector3d point = height.point_in_body.cast<double>();
-    if (path_ == nullptr) return point;
-    const auto [found, is_new] = poses_.try_emplace(height.time.ns);
-    if (is_new) found->second = path_->site_from_body.At(height.time);
-    if (!found->second) return std::nullopt;
-    return *found->second * point;
-  }
+/// A drive's heights, or those of some squares.
+struct HeightsInRounds {
+  const PatchSource& patches;
+  const DrivenPath* path;
+  const HeightOptions& options;
+  std::span<const HeightObservation> measured;  ///< that something else knows
+  const GroundSquares* only = nullptr;          ///< null: everywhere
+  const DriveHeights* before = nullptr;         ///< which tell how the car leans; null: to be found
 
- private:
-  const DrivenPath* path_;
-  std::unordered_map<std::int64_t, std::optional<Rigid3>> poses_;
+  DriveHeights Measure() const;
 };
 
-}  // namespace
-
-DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* path,
-                                 const HeightOptions& options,
-                                 std::span<const HeightObservation> measured) {
+DriveHeights HeightsInRounds::Measure() const {
   DrivenPath leaning = path ? *path : DrivenPath{};
+  if (before) Lean(before->lean, before->plane_errors, leaning);
   const DrivenPath* const leaning_path = path ? &leaning : nullptr;
   const auto find_known = [&](const PlaneHeights& planes) {
     std::vector<HeightObservation> known;
@@ -194,7 +128,7 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
     if (round + 1 >= num_rounds) return patches;
     return thirds[static_cast<size_t>(round) % thirds.size()];
   };
-  PlaneHeights planes = CollectPlanes(used_in(0), leaning_path, options.field);
+  PlaneHeights planes = CollectPlanes(before ? patches : used_in(0), leaning_path, options.field);
   std::vector<HeightObservation> known = find_known(planes), swept;
   std::optional<HeightField> field;
   for (int round = 0; round < num_rounds; ++round) {
@@ -202,13 +136,13 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
     all.insert(all.end(), swept.begin(), swept.end());
     field = HeightField(std::move(all), options.field, field ? &*field : nullptr);
     const bool is_last = round + 1 == num_rounds;
-    swept = is_last ? MeasureFineHeights(patches, std::span(path, 1), *field, options.sweep)
-                    : MeasureHeights(used_in(round), std::span(path, 1), *field, kMaxOffset, early);
+    swept = is_last ? MeasureFineHeights(patches, std::span(path, 1), *field, options.sweep, only)
+                    : MeasureHeights(used_in(round), std::span(path, 1), *field, kMaxOffset, early,
+                                     only);
     LogDebug("stage=measure_heights round=" + std::to_string(round) +
              " heights=" + std::to_string(swept.size()));
-    if (round > 0) continue;
-    leaning.lean = EstimateSuspension(leaning, swept);
-    leaning.plane_errors = EstimatePlaneErrors(leaning, swept);
+    if (round > 0 || before) continue;
+    Lean(EstimateSuspension(leaning, swept), EstimatePlaneErrors(leaning, swept), leaning);
     planes = CollectPlanes(patches, leaning_path, options.field);
     known = find_known(planes);
   }
@@ -218,16 +152,60 @@ DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* p
             " pitch=" + std::to_string(leaning.lean.pitch) +
             " heave=" + std::to_string(leaning.lean.heave) +
             " plane_errors=" + std::to_string(leaning.plane_errors));
-  const PoseTies ties(path);
+  const PoseTies ties(path ? &path->site_from_body : nullptr);
   return {path ? path->drive : 0,
           leaning.lean,
           leaning.plane_errors,
           TieAll(swept, ties),
           TieAll(planes.Sums(), ties),
-          path ? SparsePoses(path->site_from_body) : std::vector<TimedPose>()};
+          path ? std::vector{HeightsAlong{SparsePoses(path->site_from_body), swept.size()}}
+               : std::vector<HeightsAlong>()};
+}
+
+HeightObservation At(const Eigen::Vector3d& point, const DriveHeight& height) {
+  return {point, static_cast<double>(height.weight), static_cast<double>(height.sigma)};
+}
+
+}  // namespace
+
+DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* path,
+                                 const HeightOptions& options,
+                                 std::span<const HeightObservation> measured) {
+  return HeightsInRounds{patches, path, options, measured}.Measure();
+}
+
+DriveHeights MeasureMovedHeights(const PatchSource& patches, const DrivenPath& path,
+                                 const HeightOptions& options, const DriveHeights& before,
+                                 const GroundSquares& squares) {
+  std::vector<HeightObservation> measured;
+  std::vector<DriveHeight> kept;
+  std::vector<HeightsAlong> along;
+  TiedPoints points(&path.site_from_body);
+  auto next = before.swept.begin();
+  for (const HeightsAlong& earlier : before.along) {
+    along.push_back({earlier.path, 0});
+    for (std::uint64_t i = 0; i < earlier.num_swept; ++i, ++next) {
+      const std::optional<Eigen::Vector3d> point = points.InSite(*next);
+      if (!point || squares.Has(*point)) continue;
+      measured.push_back(At(*point, *next));
+      kept.push_back(*next);
+      ++along.back().num_swept;
+    }
+    if (along.back().num_swept == 0) along.pop_back();
+  }
+  DriveHeights heights =
+      HeightsInRounds{patches, &path, options, measured, &squares, &before}.Measure();
+  heights.swept.insert(heights.swept.begin(), kept.begin(), kept.end());
+  heights.along.insert(heights.along.begin(), along.begin(), along.end());
+  return heights;
 }
 
 namespace {
+
+const Trajectory* TrajectoryOf(std::span<const DrivenPath> paths, int drive) {
+  const DrivenPath* path = FindPath(paths, drive);
+  return path ? &path->site_from_body : nullptr;
+}
 
 /// What cars stood on.
 void AddContactsOf(std::span<const DriveHeights> drives, std::span<const DrivenPath> paths,
@@ -248,7 +226,7 @@ std::vector<HeightObservation> PlanesOf(std::span<const DriveHeights> drives,
                                         const HeightOptions& options) {
   PlaneHeights planes(options.field);
   for (const DriveHeights& of_drive : drives) {
-    TiedPoints points(FindPath(paths, of_drive.drive));
+    TiedPoints points(TrajectoryOf(paths, of_drive.drive));
     for (const DriveHeight& plane : of_drive.planes)
       if (const std::optional<Eigen::Vector3d> point = points.InSite(plane)) {
         const double sigma = static_cast<double>(plane.sigma);
@@ -266,11 +244,12 @@ HeightField FitHeights(std::span<const DriveHeights> drives, std::span<const Dri
   AddContactsOf(drives, paths, options, heights);
   std::vector<HeightObservation> swept;
   for (const DriveHeights& of_drive : drives) {
-    TiedPoints points(FindPath(paths, of_drive.drive));
+    TiedPoints points(TrajectoryOf(paths, of_drive.drive));
     for (const DriveHeight& height : of_drive.swept)
-      if (const std::optional<Eigen::Vector3d> point = points.InSite(height))
-        swept.push_back(
-            {*point, static_cast<double>(height.weight), static_cast<double>(height.sigma), true});
+      if (const std::optional<Eigen::Vector3d> point = points.InSite(height)) {
+        swept.push_back(At(*point, height));
+        swept.back().is_swept = true;
+      }
   }
   // A keyframe's plane only says how the ground goes on where nothing has measured it.
   const MeasuredSquares measured_at(swept, options.field.spacing);

@@ -1,13 +1,16 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "core/timestamp.h"
+#include "core/trajectory.h"
 #include "mapping/ground/driven_path.h"
 #include "mapping/ground/patch_source.h"
+#include "mapping/heights/ground_squares.h"
 #include "mapping/heights/height_field.h"
 #include "mapping/heights/measure_heights_options.h"
+#include "mapping/heights/tied_heights.h"
 
 namespace parkade {
 
@@ -17,14 +20,10 @@ struct HeightOptions {
   MeasureHeightsOptions sweep;
 };
 
-/// A height that one drive knows, relative to where its car was when it was nearest: it moves with
-/// that pose.
-struct DriveHeight {
-  Timestamp time;
-  Eigen::Vector3f point_in_body =
-      Eigen::Vector3f::Zero();  ///< [m]; in site where the drive has no path
-  float weight = 0;             ///< inverse variance of z [1/m^2]; of planes a sum of them
-  float sigma = 0;              ///< [m] as of HeightObservation; of planes the best's
+/// Heights that were measured along one path of their drive.
+struct HeightsAlong {
+  std::vector<TimedPose> path;  ///< SparsePoses of it
+  std::uint64_t num_swept = 0;
 };
 
 /// What one drive by itself knows of the height of the ground. It depends on this drive alone, so
@@ -36,7 +35,7 @@ struct DriveHeights {
   std::vector<DriveHeight> swept;  ///< where its views agree: MeasureHeights
   std::vector<DriveHeight>
       planes;  ///< where its keyframes' planes have the ground: one per square and deck
-  std::vector<TimedPose> path;  ///< along which they were measured, for HoldAlong
+  std::vector<HeightsAlong> along;  ///< in the order of `swept`: see MeasureMovedHeights
 };
 
 /// Heights of one drive: a field is fitted to the wheel contacts and the planes of keyframes, and
@@ -47,6 +46,13 @@ struct DriveHeights {
 DriveHeights MeasureDriveHeights(const PatchSource& patches, const DrivenPath* path,
                                  const HeightOptions& options,
                                  std::span<const HeightObservation> measured = {});
+
+/// Heights of a drive whose path has moved: those in `squares` are measured again, round by round;
+/// others stay tied as they are. How the car leans is known from before. \param before  with one
+/// path at least in `along`
+DriveHeights MeasureMovedHeights(const PatchSource& patches, const DrivenPath& path,
+                                 const HeightOptions& options, const DriveHeights& before,
+                                 const GroundSquares& squares);
 
 /// The surface that fits what all drives know, wherever their paths lie by now. Planes share their
 /// errors, so that many of them in one square say hardly more than the best. Does not depend on the

@@ -86,12 +86,13 @@ std::vector<bool> FindSupported(std::span<const GridPlace> places,
 std::vector<HeightObservation> MeasureFineHeights(const PatchSource& patches,
                                                   std::span<const DrivenPath> paths,
                                                   const HeightField& field,
-                                                  const MeasureHeightsOptions& options) {
+                                                  const MeasureHeightsOptions& options,
+                                                  const GroundSquares* only) {
   MeasureHeightsOptions fine = options;
   fine.window = field.spacing();
   const std::vector<float> offsets = OffsetsOfSweep();
   const std::vector<SweptWindow> windows =
-      OnePerDeck(SweepWindows(patches, paths, field, offsets, fine, Judge));
+      OnePerDeck(SweepWindows(patches, paths, field, offsets, fine, Judge, only));
   std::vector<GridPlace> places;
   std::vector<float> costs;
   for (const SweptWindow& window : windows) {

@@ -5,6 +5,7 @@
 
 #include "mapping/ground/driven_path.h"
 #include "mapping/ground/patch_source.h"
+#include "mapping/heights/ground_squares.h"
 #include "mapping/heights/height_field.h"
 #include "mapping/heights/measure_heights_options.h"
 
@@ -18,9 +19,11 @@ namespace parkade {
 /// sure of a wrong one. \return one height per window, the mean and the deviation of its
 /// likelihood; none where that
 ///         exceeds 6 cm, or two windows around do not agree
+/// \param only  of SweepSquares; null: everywhere
 std::vector<HeightObservation> MeasureFineHeights(const PatchSource& patches,
                                                   std::span<const DrivenPath> paths,
                                                   const HeightField& field,
-                                                  const MeasureHeightsOptions& options);
+                                                  const MeasureHeightsOptions& options,
+                                                  const GroundSquares* only = nullptr);
 
 }  // namespace parkade

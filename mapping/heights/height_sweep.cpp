@@ -26,14 +26,10 @@ constexpr double kMargin = 3.0;                        // [m] rays meet the surf
                                                        // where they meet the car's plane ...
 constexpr double kMaxShift = 0.375;                    // ... nor this share of the way there
 
-int WindowsPerTile(const MeasureHeightsOptions& options) {
-  return static_cast<int>(std::lround(kTileSide / options.window));
-}
+int WindowsPerTile(double window) { return static_cast<int>(std::lround(kTileSide / window)); }
 
 /// [m] of a tile, whole windows.
-double SideOf(const MeasureHeightsOptions& options) {
-  return WindowsPerTile(options) * options.window;
-}
+double SideOf(double window) { return WindowsPerTile(window) * window; }
 
 /// Which patches are near enough to matter to a tile.
 struct Tile {
@@ -137,9 +133,9 @@ void MakeBlocks(std::span<Tile> tiles, double side, std::vector<Block>& blocks) 
 
 /// Tiles by deck: patches that are more than half a deck apart in height do not share one.
 std::vector<Tile> MakeTiles(std::span<const PatchView> patches, std::span<const DrivenPath> paths,
-                            const MeasureHeightsOptions& options) {
+                            const MeasureHeightsOptions& options, const GroundSquares* only) {
   constexpr double kDeckHeight = 1.5;  // [m]
-  const double side = SideOf(options);
+  const double side = SideOf(options.window);
   std::map<std::tuple<int, int, int>, Tile> tiles;
   for (size_t i = 0; i < patches.size(); ++i) {
     const DrivenPath* path = FindPath(paths, patches[i].drive);
@@ -164,6 +160,8 @@ std::vector<Tile> MakeTiles(std::span<const PatchView> patches, std::span<const 
   }
   std::vector<Tile> result;
   for (auto& [key, tile] : tiles) {
+    const Eigen::Vector2d middle = (tile.corner.array() + 0.5 * side).matrix();
+    if (only && !only->Has({middle.x(), middle.y(), 0})) continue;
     tile.patches = ChooseEvenly(tile.patches, static_cast<size_t>(options.max_views), patches);
     if (!tile.patches.empty()) result.push_back(std::move(tile));
   }
@@ -210,7 +208,7 @@ double DeckOf(const Tile& tile, const Eigen::Vector2d& place, std::span<const Pa
 }
 
 SweepShape ShapeOf(std::span<const float> offsets, const MeasureHeightsOptions& options) {
-  return {WindowsPerTile(options),
+  return {WindowsPerTile(options.window),
           static_cast<int>(std::lround(options.window / options.cell_size)),
           static_cast<float>(options.cell_size),
           {offsets.begin(), offsets.end()}};
@@ -257,13 +255,14 @@ std::vector<SweptWindow> WindowsOf(const Tile& tile, const TileSweep& sweep,
 std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<const DrivenPath> paths,
                                       const HeightField& field, std::span<const float> offsets,
                                       const MeasureHeightsOptions& options,
-                                      const std::function<void(SweptWindow&)>& judge) {
-  const auto side = static_cast<float>(SideOf(options));
+                                      const std::function<void(SweptWindow&)>& judge,
+                                      const GroundSquares* only) {
+  const auto side = static_cast<float>(SideOf(options.window));
   const SweepShape shape = ShapeOf(offsets, options);
   const float max_offset = std::max(std::abs(offsets.front()), std::abs(offsets.back()));
   std::vector<SweptWindow> windows;
   for (const Block& block :
-       MakeBlocks(MakeTiles(patches.views(), paths, options), static_cast<double>(side))) {
+       MakeBlocks(MakeTiles(patches.views(), paths, options, only), static_cast<double>(side))) {
     const std::map<size_t, std::vector<Meeting>> meetings = MeetAll(
         block, patches, paths, field, options, judge ? UsedSamples::kSeen : UsedSamples::kFree);
     const auto num_patches = [&](size_t t) { return block.tiles[t].patches.size(); };
@@ -288,5 +287,7 @@ std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<cons
   });
   return windows;
 }
+
+GroundSquares SweepSquares(double window) { return GroundSquares(SideOf(window)); }
 
 }  // namespace parkade

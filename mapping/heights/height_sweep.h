@@ -6,6 +6,7 @@
 
 #include "mapping/ground/driven_path.h"
 #include "mapping/ground/patch_source.h"
+#include "mapping/heights/ground_squares.h"
 #include "mapping/heights/height_field.h"
 #include "mapping/heights/measure_heights_options.h"
 #include "mapping/heights/sweep_tile.h"
@@ -26,10 +27,14 @@ struct SweptWindow {
 /// Lifts and lowers the field to each of `offsets` [m] from it. Windows that nothing was seen of
 /// are left out. Windows are in order of deck, y and x, whatever the number of threads. Memory: 24
 /// bytes per sample of 500 patches (some 100 m of a drive), or of as many as reach into a square of
-/// 14 m.
+/// 14 m. \param only  the squares to sweep, made by SweepSquares; null: all
 std::vector<SweptWindow> SweepWindows(const PatchSource& patches, std::span<const DrivenPath> paths,
                                       const HeightField& field, std::span<const float> offsets,
                                       const MeasureHeightsOptions& options,
-                                      const std::function<void(SweptWindow&)>& judge = {});
+                                      const std::function<void(SweptWindow&)>& judge = {},
+                                      const GroundSquares* only = nullptr);
+
+/// None of the squares that SweepWindows sweeps one by one, whose windows need no others.
+GroundSquares SweepSquares(double window);
 
 }  // namespace parkade

@@ -181,11 +181,13 @@ std::vector<HeightObservation> SpreadOverWindows(const std::vector<WindowHeight>
 std::vector<HeightObservation> MeasureHeights(const PatchSource& patches,
                                               std::span<const DrivenPath> paths,
                                               const HeightField& field, double max_offset,
-                                              const MeasureHeightsOptions& options) {
+                                              const MeasureHeightsOptions& options,
+                                              const GroundSquares* only) {
   std::vector<float> offsets;
   for (int step = -options.num_steps; step <= options.num_steps; ++step)
     offsets.push_back(static_cast<float>(max_offset * step / options.num_steps));
-  const std::vector<SweptWindow> swept = SweepWindows(patches, paths, field, offsets, options);
+  const std::vector<SweptWindow> swept =
+      SweepWindows(patches, paths, field, offsets, options, {}, only);
   const WindowSums sums(swept);
   std::vector<WindowHeight> windows;
   for (const SweptWindow& window : swept)

@@ -5,6 +5,7 @@
 
 #include "mapping/ground/driven_path.h"
 #include "mapping/ground/patch_source.h"
+#include "mapping/heights/ground_squares.h"
 #include "mapping/heights/height_field.h"
 #include "mapping/heights/measure_heights_options.h"
 
@@ -20,9 +21,11 @@ namespace parkade {
 /// to each side \return at most one height per window, spread over its patches; none where the
 /// ground shows nothing, the views do
 ///         not agree on one height, or the windows around do not support it.
+/// \param only  of SweepSquares; null: everywhere
 std::vector<HeightObservation> MeasureHeights(const PatchSource& patches,
                                               std::span<const DrivenPath> paths,
                                               const HeightField& field, double max_offset,
-                                              const MeasureHeightsOptions& options);
+                                              const MeasureHeightsOptions& options,
+                                              const GroundSquares* only = nullptr);
 
 }  // namespace parkade

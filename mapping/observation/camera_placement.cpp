@@ -5,8 +5,8 @@
 namespace parkade {
 namespace {
 
-constexpr double kMaxTurn = 1e-4;  // [rad]
-constexpr double kMaxMove = 1e-3;  // [m]
+constexpr double kMaxTurn = 3e-4;  // [rad] half of what refinement knows it to
+constexpr double kMaxMove = 2e-3;  // [m] a quarter
 
 bool SeesAlike(const CameraPlacement& before, const CameraPlacement& now) {
   const Rigid3 moved = before.body_from_camera.Inverse() * now.body_from_camera;

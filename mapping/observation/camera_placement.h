@@ -18,8 +18,9 @@ struct CameraPlacement {
 std::vector<CameraPlacement> PlacementsOf(const Rig& rig);
 
 /// Whether what cameras saw when they were believed to be at `before` still lies where cameras at
-/// `now` see it: they turned by 0.1 mrad at most, which moves ground 12 m away by 1.5 cm along the
-/// ray, and lie within 1 mm. Clocks must be the same: by its time an image is found again.
+/// `now` see it: they turned by 0.3 mrad at most, which lifts what is seen 12 m away by 4 mm and is
+/// half of what a refinement knows it to, and lie within 2 mm. Clocks must be the same: by its time
+/// an image is found again.
 bool SeeAlike(std::span<const CameraPlacement> before, std::span<const CameraPlacement> now);
 
 }  // namespace parkade

@@ -14,9 +14,13 @@ void Serialize(A& archive, TimedPose& pose) {
   archive(pose.time, pose.world_from_frame);
 }
 template <typename A>
+void Serialize(A& archive, HeightsAlong& along) {
+  archive(along.path, along.num_swept);
+}
+template <typename A>
 void Serialize(A& archive, DriveHeights& heights) {
   archive(heights.lean.roll, heights.lean.pitch, heights.lean.heave, heights.plane_errors,
-          heights.swept, heights.planes, heights.path);
+          heights.swept, heights.planes, heights.along);
 }
 
 std::string EncodeHeights(DriveHeights heights) {
@@ -30,6 +34,12 @@ DriveHeights DecodeHeights(std::string_view bytes) {
   DriveHeights heights;
   reader(heights);
   Require(reader.is_at_end(), ErrorCode::kInvalidInput, "it is longer than it says");
+  std::uint64_t left = heights.swept.size();
+  for (const HeightsAlong& along : heights.along) {
+    Require(along.num_swept <= left, ErrorCode::kInvalidInput, "it has fewer heights than it says");
+    left -= along.num_swept;
+  }
+  Require(left == 0, ErrorCode::kInvalidInput, "it has more heights than it says");
   return heights;
 }
 

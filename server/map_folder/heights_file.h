@@ -10,6 +10,8 @@ namespace parkade {
 /// Raise it whenever the stored form of a drive's ground or heights changes, or the way they are
 /// found from the same inputs.
 constexpr int kGroundVersion = 8;
+/// Also for heights alone.
+constexpr int kHeightsVersion = 1;
 
 // Encodes as slam/sessions/stage_results.h does: exactly, but without the number of the drive.
 

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/error.h"
 #include "core/files/binary_archive.h"
 #include "core/files/sha256.h"
 #include "core/options_json.h"
+#include "mapping/heights/moved_heights.h"
 #include "mapping/heights/path_agreement.h"
 #include "mapping/networks/builtin_network.h"
 #include "server/map_folder/heights_file.h"
@@ -48,6 +50,13 @@ std::string BytesOf(std::vector<CameraPlacement> placements) {
   for (CameraPlacement& camera : placements)
     writer(camera.body_from_camera.rotation, camera.body_from_camera.translation, camera.time_shift,
            camera.line_delay);
+  return writer.bytes();
+}
+
+std::string BytesOf(const std::vector<TimedPose>& poses) {
+  BinaryWriter writer;
+  for (TimedPose pose : poses)
+    writer(pose.time.ns, pose.world_from_frame.rotation, pose.world_from_frame.translation);
   return writer.bytes();
 }
 
@@ -142,26 +151,18 @@ const std::string& KeyOfBuiltinNetworks() {
   return key;
 }
 
-std::string KeyOfHeightsAlong(const std::string& ground_key, std::vector<TimedPose> path) {
-  DriveHeights along;
-  along.path = std::move(path);
-  return KeyOf({ground_key, "heights", EncodeHeights(std::move(along))});
+/// The first half of a key of heights says what they are of and how they were found, the other
+/// along which paths.
+std::string KeyOfHeights(const std::string& first_half, const std::string& along) {
+  return first_half + KeyOf({along}).substr(0, first_half.size());
 }
 
-/// The key of the heights along a path: that of an earlier map's where these hold.
-std::string KeyOfHeights(const StageCache& cache, const std::string& file,
-                         const std::string& ground_key, const Trajectory& odom_from_body) {
-  std::string own = KeyOfHeightsAlong(ground_key, SparsePoses(odom_from_body));
-  if (cache.MapHas(file, own)) return own;
+/// Heights of the same ground in the map to start from.
+std::optional<Keyed<DriveHeights>> EarlierHeights(const StageCache& cache, const std::string& file,
+                                                  const std::string& first_half) {
   const auto last = cache.LastOfMap(file);
-  if (!last) return own;
-  try {
-    const std::vector<TimedPose> path = DecodeHeights(last->second).path;
-    const bool is_of_ground = KeyOfHeightsAlong(ground_key, path) == last->first;
-    return is_of_ground && HoldAlong(path, odom_from_body) ? last->first : own;
-  } catch (const Error&) {  // of an earlier version
-    return own;
-  }
+  if (!last || !last->first.starts_with(first_half)) return std::nullopt;
+  return Keyed<DriveHeights>{DecodeHeights(last->second), last->first};
 }
 
 }  // namespace
@@ -287,13 +288,26 @@ Keyed<DriveHeights> MeasureHeights(const BuildContext& context, const DriveInWor
   const Trajectory& odom_from_body = drive.refinement.value.odom_from_body;
   const StageFile<DriveHeights> file{drive.log->name() + "/heights.bin", EncodeHeights,
                                      DecodeHeights};
-  const std::string key = KeyOfHeights(context.cache, file.name, ground.key, odom_from_body);
+  const std::string first_half =
+      KeyOf({ground.key, "heights", std::to_string(kHeightsVersion)}).substr(0, 32);
+  const std::string along = BytesOf(SparsePoses(odom_from_body));
+  std::string key = KeyOfHeights(first_half, along);
+  std::optional<Keyed<DriveHeights>> earlier;
+  std::optional<MovedHeights> moved;
+  if (!context.cache.MapHas(file.name, key))
+    earlier = EarlierHeights(context.cache, file.name, first_half);
+  if (earlier) moved = FindMovedHeights(earlier->value, odom_from_body, options);
+  const HeightsWorth worth = moved ? moved->worth : HeightsWorth::kNone;
+  if (worth == HeightsWorth::kHold) key = earlier->key;
+  if (worth == HeightsWorth::kSome) key = KeyOfHeights(first_half, earlier->key + along);
   Keyed<DriveHeights> heights = Cached(context.cache, file, key, [&] {
     StoredGround patches;
     patches.Add(ground.value, 0, odom_from_body);
     const DrivenPath path = MakeDrivenPath(0, drive.calibrated->rig(), odom_from_body,
                                            ground.value->observation().body_from_ground);
-    return MeasureDriveHeights(patches, &path, options);
+    return worth == HeightsWorth::kSome
+               ? MeasureMovedHeights(patches, path, options, earlier->value, moved->squares)
+               : MeasureDriveHeights(patches, &path, options);
   });
   heights.value.drive = number;
   return heights;

@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
 
+#include "mapping/heights/moved_heights.h"
 #include "mapping/observation/observe_ground.h"
 #include "mapping/surface/fuse_surface.h"
 #include "tests/mapping/worlds/synthetic_drive.h"
@@ -12,11 +16,14 @@
 namespace parkade {
 namespace {
 
-/// A drive through a lot, seen once for all tests.
+/// A drive through a lot, along x from -18 m on.
 struct SeenDrive {
+  explicit SeenDrive(double length)
+      : drive(scene, MakeTestRig(), DriveAlong(scene, {-18, 0, 0}, 0, {{length, 0}}, MakeTestRig()),
+              true) {}
+
   SyntheticScene scene = MakeLot();
-  SyntheticDrive drive{scene, MakeTestRig(),
-                       DriveAlong(scene, {-18, 0, 0}, 0, {{12, 0}}, MakeTestRig()), true};
+  SyntheticDrive drive;
   GroundObservation seen = ObserveGround(drive, drive.trajectory(), {}, 0);
 
   DrivenPath Path(int number, const Rigid3& site_from_odom) const {
@@ -36,10 +43,17 @@ struct SeenDrive {
   }
 };
 
+/// Seen once for most tests.
 const SeenDrive& Seen() {
-  static const SeenDrive seen;
+  static const SeenDrive seen(12);
   return seen;
 }
+
+/// A drive as its poses have it.
+struct PosedDrive {
+  DrivenPath path;
+  std::vector<PosedGroundPatch> patches;
+};
 
 /// The same ground, turned and moved.
 Rigid3 Moved() {
@@ -50,10 +64,10 @@ Rigid3 Moved() {
 /// [m] RMS between the heights of two fields at places along the drive, which lies somewhere else
 /// in each of them.
 double Difference(const HeightField& a, const Rigid3& a_from_odom, const HeightField& b,
-                  const Rigid3& b_from_odom) {
+                  const Rigid3& b_from_odom, std::pair<double, double> along = {-16, -4}) {
   double sum = 0;
   int count = 0;
-  for (double x = -16; x < -4; x += 0.7)
+  for (double x = along.first; x < along.second; x += 0.7)
     for (double y = -6; y < 6; y += 0.7) {
       Eigen::Vector3d in_a = a_from_odom * Eigen::Vector3d(x, y, 0);
       double height_a = 0, height_b = 0;
@@ -93,6 +107,45 @@ TEST(DriveHeights, AreTheSameWhereverTheDriveIsMeasured) {
   const HeightField anew = FitHeights(std::span(&measured_there, 1), std::span(&moved, 1), {});
 
   EXPECT_LT(Difference(kept, Moved(), anew, Moved()), 0.01);
+}
+
+/// With all poses beyond x = `begin` [m] lifted by `lift` [m].
+PosedDrive Lifted(const SeenDrive& seen, double begin, double lift) {
+  PosedDrive lifted{seen.Path(0, {}), seen.Patches(0, {})};
+  const auto raise = [&](Rigid3& pose) {
+    if (pose.translation.x() > begin) pose.translation.z() += lift;
+  };
+  std::vector<TrajectoryState> states = lifted.path.site_from_body.states();
+  for (TrajectoryState& state : states) raise(state.world_from_body);
+  lifted.path.site_from_body = Trajectory(std::move(states));
+  for (PosedGroundPatch& posed : lifted.patches) raise(posed.site_from_body);
+  return lifted;
+}
+
+TEST(DriveHeights, AreMeasuredAgainWhereThePathMoved) {
+  const SeenDrive seen(30);
+  const PosedDrive before = Lifted(seen, 4, 0), now = Lifted(seen, 4, 0.008);
+  const DriveHeights measured =
+      MeasureDriveHeights(PatchesInMemory(before.patches), &before.path, {});
+  const MovedHeights moved = FindMovedHeights(measured, now.path.site_from_body, {});
+  ASSERT_EQ(moved.worth, HeightsWorth::kSome);
+  EXPECT_FALSE(moved.squares.Has({-16, 0, 0})) << "not seen from where the path moved";
+  EXPECT_TRUE(moved.squares.Has({6, 0, 0}));
+
+  const PatchesInMemory patches(now.patches);
+  const DriveHeights again = MeasureMovedHeights(patches, now.path, {}, measured, moved.squares);
+
+  ASSERT_EQ(again.along.size(), 2u);
+  EXPECT_GT(again.along[0].num_swept, 100u) << "kept";
+  EXPECT_GT(again.along[1].num_swept, 100u) << "measured again";
+  EXPECT_EQ(FindMovedHeights(again, now.path.site_from_body, {}).worth, HeightsWorth::kHold);
+  const DriveHeights anew = MeasureDriveHeights(patches, &now.path, {});
+  EXPECT_NEAR(static_cast<double>(again.swept.size()), static_cast<double>(anew.swept.size()),
+              0.03 * static_cast<double>(anew.swept.size()));
+  const auto fit = [&](const DriveHeights& heights) {
+    return FitHeights(std::span(&heights, 1), std::span(&now.path, 1), {});
+  };
+  EXPECT_LT(Difference(fit(again), {}, fit(anew), {}, {-16, 10}), 0.003);
 }
 
 TEST(DriveHeights, OfTwoDrivesDoNotDependOnTheirOrder) {

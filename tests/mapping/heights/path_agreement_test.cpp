@@ -38,9 +38,16 @@ Trajectory AsItWas() {
   return Rounds([](double) { return Rigid3{}; });
 }
 
+bool HoldAlong(std::span<const TimedPose> before, const Trajectory& now) {
+  const PathAgreement agreement(before, now);
+  const std::vector<Eigen::Vector3d> places = agreement.Places();
+  return std::all_of(places.begin(), places.end(),
+                     [&](const Eigen::Vector3d& place) { return agreement.HoldsAt(place); });
+}
+
 bool HoldAfter(const Change& change) { return HoldAlong(SparsePoses(AsItWas()), Rounds(change)); }
 
-TEST(HoldAlong, AsLongAsPosesNearEachOtherLieAsTheyDid) {
+TEST(PathAgreement, HoldsAsLongAsPosesNearEachOtherLieAsTheyDid) {
   EXPECT_TRUE(HoldAfter([](double) { return Rigid3{}; }));
   EXPECT_TRUE(HoldAfter([](double) {
     return Rigid3{Eigen::Quaterniond::Identity(), {30, -20, 1}} * Turned(0.7);
@@ -78,13 +85,13 @@ Trajectory Aisles(double lift) {
   return Trajectory(std::move(states));
 }
 
-TEST(HoldAlong, NotWhereTheNextAisleMoved) {
+TEST(PathAgreement, HoldsNotWhereTheNextAisleMoved) {
   const std::vector<TimedPose> before = SparsePoses(Aisles(0));
   EXPECT_TRUE(HoldAlong(before, Aisles(0.003)));
   EXPECT_FALSE(HoldAlong(before, Aisles(0.015))) << "views from both saw the ground between them";
 }
 
-TEST(HoldAlong, NotWhereAPoseIsMissing) {
+TEST(PathAgreement, HoldsNotWhereAPoseIsMissing) {
   const std::vector<TimedPose> before = SparsePoses(AsItWas());
   std::vector<TrajectoryState> states = AsItWas().states();
   states.resize(states.size() / 2);

@@ -28,10 +28,10 @@ TEST(SeeAlike, AsLongAsCamerasHardlyMoved) {
           camera.body_from_camera.rotation * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX());
     };
   };
-  EXPECT_TRUE(SeeAlikeAfter(turn_by(0.9e-4)));
-  EXPECT_FALSE(SeeAlikeAfter(turn_by(1.1e-4)));
-  EXPECT_TRUE(SeeAlikeAfter([](auto& c) { c.body_from_camera.translation.z() += 0.9e-3; }));
-  EXPECT_FALSE(SeeAlikeAfter([](auto& c) { c.body_from_camera.translation.z() += 1.1e-3; }));
+  EXPECT_TRUE(SeeAlikeAfter(turn_by(2.9e-4)));
+  EXPECT_FALSE(SeeAlikeAfter(turn_by(3.1e-4)));
+  EXPECT_TRUE(SeeAlikeAfter([](auto& c) { c.body_from_camera.translation.z() += 1.9e-3; }));
+  EXPECT_FALSE(SeeAlikeAfter([](auto& c) { c.body_from_camera.translation.z() += 2.1e-3; }));
   EXPECT_FALSE(SeeAlikeAfter([](auto& c) { c.time_shift -= 1e-9; }));
   EXPECT_FALSE(SeeAlikeAfter([](auto& c) { c.line_delay += 1e-9; }));
   EXPECT_FALSE(SeeAlike(Two(), std::vector<CameraPlacement>{Two()[0]})) << "one is missing";
