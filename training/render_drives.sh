@@ -36,6 +36,17 @@ for i in {0..11}; do
     --set "lens.dirt=0.$((i * 7 % 10))" --set "lens.flare=$([ "$weather" = dry ] && echo 1 || echo 0)"
 done
 
+# 72 more, in short: how many places there are matters more than how long each is driven.
+places=(lot garage street lot garage street lot garage lot street)
+seasons=(usual usual usual autumn usual usual winter usual)
+for i in {0..71}; do
+  scene=${places[i % 10]} seed=$((1100 + i)) weather=${weathers[i % 5]}
+  drive "train/${scene}_$seed" 10 "$scene" "$seed" "$weather" $((i % 3)) --traffic $((i % 4)) --set "looks=${looks[i % 4]}" \
+    --set "season=${seasons[i % 8]}" --set "has_drains=$([ $((i % 4)) = 3 ] && echo true || echo false)" \
+    --set "lens.dirt=0.$((i % 5 * 2))" \
+    --set "lens.flare=$([ "$weather" = dry ] && [ $((i % 2)) = 0 ] && echo 1 || echo 0)"
+done
+
 drive val/lot_2000 14 lot 2000 overcast 0 --traffic 2
 drive val/garage_2001 14 garage 2001 dry 1 --traffic 2
 drive val/street_2002 14 street 2002 wet 0 --traffic 4

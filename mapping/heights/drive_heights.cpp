@@ -89,12 +89,6 @@ class MeasuredSquares {
   PatchIndex index_;
 };
 
-/// How the car leans, and how far its planes err.
-void Lean(const SuspensionModel& lean, double plane_errors, DrivenPath& path) {
-  path.lean = lean;
-  path.plane_errors = plane_errors;
-}
-
 /// A drive's heights, or those of some squares.
 struct HeightsInRounds {
   const PatchSource& patches;
@@ -109,7 +103,7 @@ struct HeightsInRounds {
 
 DriveHeights HeightsInRounds::Measure() const {
   DrivenPath leaning = path ? *path : DrivenPath{};
-  if (before) Lean(before->lean, before->plane_errors, leaning);
+  if (before) leaning.lean = before->lean, leaning.plane_errors = before->plane_errors;
   const DrivenPath* const leaning_path = path ? &leaning : nullptr;
   const auto find_known = [&](const PlaneHeights& planes) {
     std::vector<HeightObservation> known;
@@ -142,7 +136,8 @@ DriveHeights HeightsInRounds::Measure() const {
     LogDebug("stage=measure_heights round=" + std::to_string(round) +
              " heights=" + std::to_string(swept.size()));
     if (round > 0 || before) continue;
-    Lean(EstimateSuspension(leaning, swept), EstimatePlaneErrors(leaning, swept), leaning);
+    leaning.lean = EstimateSuspension(leaning, swept);
+    leaning.plane_errors = EstimatePlaneErrors(leaning, swept);  // once it leans
     planes = CollectPlanes(patches, leaning_path, options.field);
     known = find_known(planes);
   }
