@@ -40,7 +40,7 @@ struct DrivenPath {
   std::vector<Eigen::Vector3d>
       cameras_in_body;        ///< [m] optical centers, indexed as GroundPatch::camera
   SuspensionModel lean = {};  ///< none until it is estimated
-  double plane_errors = 1;    ///< see EstimatePlaneErrors
+  double plane_errors = 1;    ///< of SuspensionFit
 };
 
 /// The path of a drive among `paths`; null where there is none.

@@ -136,8 +136,8 @@ DriveHeights HeightsInRounds::Measure() const {
     LogDebug("stage=measure_heights round=" + std::to_string(round) +
              " heights=" + std::to_string(swept.size()));
     if (round > 0 || before) continue;
-    leaning.lean = EstimateSuspension(leaning, swept);
-    leaning.plane_errors = EstimatePlaneErrors(leaning, swept);  // once it leans
+    const SuspensionFit fit = EstimateSuspension(leaning, swept);
+    leaning.lean = fit.lean, leaning.plane_errors = fit.plane_errors;
     planes = CollectPlanes(patches, leaning_path, options.field);
     known = find_known(planes);
   }

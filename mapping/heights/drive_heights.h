@@ -31,7 +31,7 @@ struct HeightsAlong {
 struct DriveHeights {
   int drive = 0;
   SuspensionModel lean;
-  double plane_errors = 1;         ///< see EstimatePlaneErrors
+  double plane_errors = 1;         ///< of SuspensionFit
   std::vector<DriveHeight> swept;  ///< where its views agree: MeasureHeights
   std::vector<DriveHeight>
       planes;  ///< where its keyframes' planes have the ground: one per square and deck

@@ -86,14 +86,7 @@ std::vector<Row> MakeRows(const DrivenPath& path, const Squares& squares) {
   return rows;
 }
 
-}  // namespace
-
-SuspensionModel EstimateSuspension(const DrivenPath& path,
-                                   std::span<const HeightObservation> heights) {
-  size_t count = 0;
-  const Squares squares = SortHeights(heights, count);
-  if (count < kMinHeights) return {};
-  const std::vector<Row> rows = MakeRows(path, squares);
+Eigen::Vector3d FitLean(const std::vector<Row>& rows) {
   Eigen::Vector3d lean = Eigen::Vector3d::Zero();
   for (int round = 0; round < kNumRounds; ++round) {
     Eigen::Matrix3d left = Eigen::Matrix3d::Identity() / (kPriorLean * kPriorLean);
@@ -106,23 +99,31 @@ SuspensionModel EstimateSuspension(const DrivenPath& path,
     }
     lean = left.ldlt().solve(right);
   }
-  return {lean[0], lean[1], lean[2]};
+  return lean;
 }
 
-double EstimatePlaneErrors(const DrivenPath& path, std::span<const HeightObservation> heights) {
-  size_t count = 0;
-  const Squares squares = SortHeights(heights, count);
-  if (count < kMinHeights) return 1;
-  std::vector<double> ratios;  // of an error to its sigma
-  for (const Row& row : MakeRows(path, squares)) {
-    const double lift =
-        row.lift_per_lean.dot(Eigen::Vector3d(path.lean.roll, path.lean.pitch, path.lean.heave));
-    ratios.push_back(std::abs(row.lift - lift) * std::sqrt(row.weight));
-  }
-  if (ratios.empty()) return 1;
+/// How far planes that lean err, in their sigmas.
+double ErrorsOf(const std::vector<Row>& rows, const Eigen::Vector3d& lean) {
+  if (rows.empty()) return 1;
+  std::vector<double> ratios;
+  ratios.reserve(rows.size());
+  for (const Row& row : rows)
+    ratios.push_back(std::abs(row.lift - row.lift_per_lean.dot(lean)) * std::sqrt(row.weight));
   constexpr double kOneSigma = 0.683;
   const auto rank = static_cast<size_t>(kOneSigma * static_cast<double>(ratios.size()));
   return std::clamp(NthSmallest(ratios, rank), kLeastPlaneErrors, 1.0);
+}
+
+}  // namespace
+
+SuspensionFit EstimateSuspension(const DrivenPath& path,
+                                 std::span<const HeightObservation> heights) {
+  size_t count = 0;
+  const Squares squares = SortHeights(heights, count);
+  if (count < kMinHeights) return {};
+  const std::vector<Row> rows = MakeRows(path, squares);
+  const Eigen::Vector3d lean = FitLean(rows);
+  return {{lean[0], lean[1], lean[2]}, ErrorsOf(rows, lean)};
 }
 
 }  // namespace parkade

@@ -53,7 +53,7 @@ TEST(EstimateSuspension, AccelerationIsTowardTheInsideOfTheBend) {
 }
 
 TEST(EstimateSuspension, TheRollOfABendIsFound) {
-  const SuspensionModel lean = EstimateSuspension(LeaningPath(kRoll), LevelGround(1.2));
+  const SuspensionModel lean = EstimateSuspension(LeaningPath(kRoll), LevelGround(1.2)).lean;
 
   EXPECT_NEAR(lean.roll, kRoll, 0.1 * kRoll);
   EXPECT_NEAR(lean.pitch, 0, 1e-4);
@@ -69,13 +69,18 @@ TEST(EstimateSuspension, ContactsOfALeaningCarLieOnTheGround) {
 }
 
 TEST(EstimateSuspension, WithoutHeightsThereIsNone) {
-  const SuspensionModel lean = EstimateSuspension(LeaningPath(kRoll), {});
-  EXPECT_EQ(lean.roll, 0);
-  EXPECT_EQ(EstimatePlaneErrors(LeaningPath(kRoll), {}), 1);
+  const SuspensionFit fit = EstimateSuspension(LeaningPath(kRoll), {});
+  EXPECT_EQ(fit.lean.roll, 0);
+  EXPECT_EQ(fit.plane_errors, 1);
 }
 
 TEST(EstimateSuspension, LevelGroundIsAsFlatAsPlanesGet) {
-  EXPECT_LT(EstimatePlaneErrors(LeaningPath(0), LevelGround(1.2)), 0.2);
+  EXPECT_LT(EstimateSuspension(LeaningPath(0), LevelGround(1.2)).plane_errors, 0.2);
+}
+
+TEST(EstimateSuspension, PlanesErrByWhatTheLeanDoesNotExplain) {
+  const double level = EstimateSuspension(LeaningPath(0), LevelGround(1.2)).plane_errors;
+  EXPECT_LT(EstimateSuspension(LeaningPath(kRoll), LevelGround(1.2)).plane_errors, level + 0.05);
 }
 
 }  // namespace
