@@ -4,13 +4,11 @@
 #include <utility>
 
 #include "core/error.h"
-#include "core/files/binary_archive.h"
 #include "core/log.h"
-#include "core/options_json.h"
 #include "server/findings/trajectory_findings.h"
 #include "server/pipeline/drive_stages.h"
+#include "server/pipeline/kept_pairs.h"
 #include "slam/sessions/settled_drives.h"
-#include "slam/sessions/stage_results.h"
 
 namespace parkade {
 namespace {
@@ -52,69 +50,6 @@ std::vector<DriveToJoin> DescribeDrives(const BuildContext& context,
   }
   return to_join;
 }
-
-// Text with every bit of the numbers, as they are in memory.
-
-std::string BytesOf(const std::optional<GnssAlignment>& gnss) {
-  BinaryWriter writer;
-  if (gnss) {
-    GnssAlignment alignment = *gnss;
-    writer(alignment.site_from_odom.rotation, alignment.site_from_odom.translation,
-           alignment.covariance, alignment.extent);
-  }
-  return writer.bytes();
-}
-
-/// The findings about pairs of drives, as a stage of two drives: its files lie with the later
-/// drive.
-class PairCache {
- public:
-  PairCache(const BuildContext& context, const std::vector<DriveInWork>& drives)
-      : context_(context), drives_(drives) {}
-
-  /// Everything that the map to start from knows about the pairs.
-  PairFindings Known() const {
-    PairFindings known;
-    for (size_t b = 1; b < drives_.size(); ++b)
-      for (size_t a = 0; a < b; ++a) {
-        if (const auto bytes = Find("similarity", {a, b}))
-          BinaryReader{*bytes}(known.similarities[{a, b}]);
-        if (const auto bytes = Find("links", {a, b}))
-          known.loops.emplace(PairOfDrives{a, b}, DecodeLinks(*bytes));
-      }
-    return known;
-  }
-
-  /// Keeps the findings that were asked for.
-  void Keep(const PairFindings& findings) const {
-    for (auto [pair, similarity] : findings.similarities) {
-      BinaryWriter writer;
-      writer(similarity);
-      KeepBytes("similarity", pair, writer.bytes());
-    }
-    for (const auto& [pair, loops] : findings.loops) KeepBytes("links", pair, EncodeLinks(loops));
-  }
-
- private:
-  std::string FileOf(const std::string& what, const PairOfDrives& pair) const {
-    return drives_[pair.second].log->name() + "/" + what + ".bin";
-  }
-  std::string KeyOfPair(const std::string& what, const PairOfDrives& pair) const {
-    const DriveInWork &a = drives_[pair.first], &b = drives_[pair.second];
-    return KeyOf({what, a.keyframes.key, b.keyframes.key,
-                  OptionsToJson(context_.options.links).dump(), BytesOf(a.gnss), BytesOf(b.gnss)});
-  }
-  std::optional<std::string> Find(const std::string& what, const PairOfDrives& pair) const {
-    return context_.cache.Find(FileOf(what, pair), KeyOfPair(what, pair));
-  }
-  void KeepBytes(const std::string& what, const PairOfDrives& pair,
-                 const std::string& bytes) const {
-    context_.cache.Get(FileOf(what, pair), KeyOfPair(what, pair), [&] { return bytes; });
-  }
-
-  const BuildContext& context_;
-  const std::vector<DriveInWork>& drives_;
-};
 
 /// The decisions of this build and, of the one that it starts from, those that it does not
 /// overrule. Keyframes, by which links are called, are those of the odometry.
@@ -198,11 +133,11 @@ void JoinSite(const BuildContext& context, std::vector<DriveInWork>& drives, Bui
   const MapOptions& options = context.options;
   built.site.datum = AlignAllToGnss(options.gnss, drives);
   const std::vector<DriveToJoin> to_join = DescribeDrives(context, drives);
-  const PairCache pairs(context, drives);
+  const KeptPairs pairs(context, drives);
   for (const DriveInWork& drive : drives) built.names.push_back(drive.log->name());
   built.link_review = LinkReviewFor(context, drives, built.names);
   built.join =
-      JoinDrives(to_join, options.loops, options.links, pairs.Known(),
+      JoinDrives(to_join, options.loops, options.links, pairs.Find(),
                  ReviewedLinks(built.link_review, built.names), SettledBefore(context, drives));
   RequireLinks(context.scope.links, built.names, built.join.pairs);
   pairs.Keep(built.join.findings);
