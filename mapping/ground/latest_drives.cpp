@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "mapping/ground/nearest_views.h"
@@ -97,6 +98,7 @@ void LatestDrives::FindNear(const NumViews& num_near_views, int max_drives) {
 void LatestDrives::ChooseViews(const NumViews& num_views) {
   std::map<SquareOfDrive, std::uint32_t> targets;  // squares as a drive sees them
   std::vector<int> wanted;
+  std::vector<Eigen::Vector2i> squares;  // of targets
   std::vector<TargetView> target_views;
   std::vector<std::size_t> narrow;
   for (std::size_t i = 0; i < views_.size(); ++i) {
@@ -108,17 +110,33 @@ void LatestDrives::ChooseViews(const NumViews& num_views) {
       if (!HasSay(rank, square)) return;
       const auto [target, is_new] =
           targets.try_emplace({square, rank}, static_cast<std::uint32_t>(wanted.size()));
-      if (is_new)
+      if (is_new) {
         wanted.push_back(NumViewsAfter(num_views.at(square), rank) < kEnoughViews
                              ? kViewsOfLatest
                              : kViewsOfEarlier);
+        squares.emplace_back(std::get<2>(square), std::get<1>(square));
+      }
       target_views.push_back({static_cast<float>((place - middle).norm()),
                               static_cast<std::uint32_t>(i), target->second});
     });
     if (is_narrow) narrow.push_back(i);
   }
-  is_chosen_ = ChooseNearest(std::move(target_views), views_.size(), std::move(wanted));
-  for (const std::size_t i : narrow) is_chosen_[i] = true;
+  std::vector<bool> is_chosen = ChooseNearest(target_views, views_.size(), wanted);
+  for (const std::size_t i : narrow) is_chosen[i] = true;
+  share_of_.assign(views_.size(), 0);
+  shares_.resize(1);
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    if (!is_chosen[i]) continue;
+    share_of_[i] = static_cast<std::uint32_t>(shares_.size());
+    shares_.push_back(FullShareOf(i));
+  }
+  std::vector<int> counting = wanted;
+  for (int& number : counting)
+    if (number == kViewsOfLatest) number = std::numeric_limits<int>::max();
+  const std::vector<bool> counts = NearestOfChosen(target_views, is_chosen, std::move(counting));
+  for (std::size_t i = 0; i < target_views.size(); ++i)
+    if (is_chosen[target_views[i].view] && !counts[i])
+      shares_[share_of_[target_views[i].view]].Leave(squares[target_views[i].target]);
 }
 
 bool LatestDrives::HasSay(int rank, const Square& square) const {
@@ -134,10 +152,11 @@ bool LatestDrives::CountsAsDriven(int drive, const Eigen::Vector3d& car_in_site)
   return last == last_driven_.end() || !HasSay(last->second, square);
 }
 
-LatestDrives::Share LatestDrives::ShareOf(std::size_t index) const {
+/// All in which its drive has a say.
+LatestDrives::Share LatestDrives::FullShareOf(std::size_t index) const {
   Share share;
   const PatchView& view = views_[index];
-  if (view.extent.isEmpty() || !is_chosen_[index]) return share;
+  if (view.extent.isEmpty()) return share;
   share.x_ = Index(view.extent.min().x(), kSquare),
   share.y_ = Index(view.extent.min().y(), kSquare);
   share.width_ = Index(view.extent.max().x(), kSquare) - share.x_ + 1;
@@ -150,6 +169,23 @@ LatestDrives::Share LatestDrives::ShareOf(std::size_t index) const {
       share.num_counting_ += share.counts_.back();
     }
   return share;
+}
+
+void LatestDrives::Share::Leave(const Eigen::Vector2i& square) {
+  std::vector<bool>::reference counts =
+      counts_[static_cast<size_t>((square.y() - y_) * width_ + square.x() - x_)];
+  num_counting_ -= counts;
+  counts = false;
+}
+
+Eigen::AlignedBox2d LatestDrives::Share::Extent() const {
+  Eigen::AlignedBox2d extent;
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x)
+      if (counts_[static_cast<size_t>(y * width_ + x)])
+        extent.extend(kSquare * Eigen::Vector2d(x_ + x, y_ + y))
+            .extend(kSquare * Eigen::Vector2d(x_ + x + 1, y_ + y + 1));
+  return extent;
 }
 
 bool LatestDrives::Share::Counts(const Eigen::Vector2d& point_in_site) const {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace parkade {
@@ -22,5 +23,9 @@ struct TargetView {
 /// \return by view
 std::vector<bool> ChooseNearest(std::vector<TargetView> target_views, std::size_t num_views,
                                 std::vector<int> wanted);
+
+/// The nearest chosen views of each target, as many as it wants. \return by target view
+std::vector<bool> NearestOfChosen(std::span<const TargetView> target_views,
+                                  const std::vector<bool>& is_chosen, std::vector<int> wanted);
 
 }  // namespace parkade

@@ -120,7 +120,8 @@ void PaintDrives(const PatchSource& patches, std::span<const DrivenPath> paths,
     const DrivenPath* path = FindPath(paths, drive);
     std::vector<size_t> in_reach;
     for (; end < views.size() && views[end].drive == drive; ++end)
-      if (painter.IsInReach(views[end], path) && !latest.ShareOf(end).is_none())
+      if (const LatestDrives::Share& share = latest.ShareOf(end);
+          !share.is_none() && painter.IsInReach(views[end], share.Extent(), path))
         in_reach.push_back(end);
     if (!in_reach.empty()) painter.PaintDrive(patches, in_reach, path, &latest);
     if (path) painter.MarkDriven(*path, &latest);

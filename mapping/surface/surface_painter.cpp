@@ -101,19 +101,21 @@ SurfacePainter::SurfacePainter(const HeightField& field, int cells_per_side,
                    static_cast<size_t>(cells_per_side * cells_per_side));
 }
 
-/// Where samples of a patch may lie once they have moved along their rays. `eye` may be null.
-Eigen::AlignedBox2d SurfacePainter::ReachOf(const PatchView& view, const Eigen::Vector3d* eye) {
-  Eigen::AlignedBox2d reach = view.extent;
+/// Where samples of an extent may lie once they have moved along their rays. `eye` may be null.
+Eigen::AlignedBox2d SurfacePainter::ReachOf(const Eigen::AlignedBox2d& extent,
+                                            const Eigen::Vector3d* eye) {
+  Eigen::AlignedBox2d reach = extent;
   if (eye == nullptr || reach.isEmpty()) return reach;
   const Eigen::Vector2d from = eye->head<2>();
   return reach.extend(from)
-      .extend((from + kMaxStretch * (view.extent.min() - from)).eval())
-      .extend((from + kMaxStretch * (view.extent.max() - from)).eval());
+      .extend((from + kMaxStretch * (extent.min() - from)).eval())
+      .extend((from + kMaxStretch * (extent.max() - from)).eval());
 }
 
-bool SurfacePainter::IsInReach(const PatchView& view, const DrivenPath* path) const {
+bool SurfacePainter::IsInReach(const PatchView& view, const Eigen::AlignedBox2d& part,
+                               const DrivenPath* path) const {
   const std::optional<Eigen::Vector3d> eye = EyeOf(view, path);
-  const Eigen::AlignedBox2d reach = ReachOf(view, eye ? &*eye : nullptr);
+  const Eigen::AlignedBox2d reach = ReachOf(view.extent.intersection(part), eye ? &*eye : nullptr);
   return !reach.isEmpty() && !reach_.isEmpty() && reach_.intersects(reach);
 }
 
@@ -200,7 +202,8 @@ SurfacePainter::SharedHits SurfacePainter::FindHits(const PatchView& view, const
   const std::optional<Eigen::Vector3d> seen_from = EyeOf(view, path);
   const bool has_eye = seen_from.has_value();
   const Eigen::Vector3d eye = seen_from.value_or(Eigen::Vector3d::Zero());
-  const Eigen::AlignedBox2d reach = ReachOf(view, has_eye ? &eye : nullptr);
+  const Eigen::AlignedBox2d reach = ReachOf(
+      share ? view.extent.intersection(share->Extent()) : view.extent, has_eye ? &eye : nullptr);
   const bool is_all_in_reach = reach_.contains(reach);
   PatchFinder patches(*field_);
   const Eigen::Isometry3d site_from_body = IsometryOf(view.site_from_body);
@@ -240,10 +243,8 @@ void SurfacePainter::Paint(const PatchSource& patches, std::span<const size_t> i
     const std::span batch =
         indices.subspan(begin, std::min(kPatchesPerBatch, indices.size() - begin));
     const auto hits_of = ParallelMap(batch.size(), [&](size_t i) {
-      const std::optional<LatestDrives::Share> share =
-          latest ? std::optional(latest->ShareOf(batch[i])) : std::nullopt;
       return FindHits(patches.views()[batch[i]], patches.Read(batch[i]).patch, path,
-                      share ? &*share : nullptr);
+                      latest ? &latest->ShareOf(batch[i]) : nullptr);
     });
     // Each thread has cells of its own, so that those of a cell come in order.
     ParallelFor(kShares, [&](size_t share) {

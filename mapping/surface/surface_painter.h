@@ -28,9 +28,10 @@ class SurfacePainter {
   SurfacePainter(const HeightField& field, int cells_per_side,
                  const std::optional<Eigen::AlignedBox2i>& window = {});
 
-  /// Whether samples of a patch may lie in the window, once they have moved along their rays.
-  /// `path` may be null.
-  bool IsInReach(const PatchView& view, const DrivenPath* path) const;
+  /// Whether samples of a patch that lie in a part of its extent may lie in the window, once they
+  /// have moved along their rays. `path` may be null.
+  bool IsInReach(const PatchView& view, const Eigen::AlignedBox2d& part,
+                 const DrivenPath* path) const;
 
   /// Samples of some of a drive's patches, moved along their rays onto the surface. In parallel,
   /// summed in order. `path` is that of the drive, or null; `latest` was made of the same patches.
@@ -84,7 +85,7 @@ class SurfacePainter {
              SharedHits& hits) const;
   SharedHits FindHits(const PatchView& view, const GroundPatch& patch, const DrivenPath* path,
                       const LatestDrives::Share* share) const;
-  static Eigen::AlignedBox2d ReachOf(const PatchView& view, const Eigen::Vector3d* eye);
+  static Eigen::AlignedBox2d ReachOf(const Eigen::AlignedBox2d& extent, const Eigen::Vector3d* eye);
   bool IsInReach(const Eigen::Vector3d* eye, const Eigen::Vector3d& point) const;
   bool IsPainted(int patch) const {
     return slots_[static_cast<size_t>(patch)] != HeightField::kNone;

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace parkade {
 namespace {
 
@@ -108,6 +111,65 @@ TEST(LatestDrives, OfManyViewsTheNearestCount) {
   EXPECT_FALSE(latest.ShareOf(20).is_none()) << "right beside the middle";
   EXPECT_FALSE(latest.ShareOf(120).is_none());
   EXPECT_TRUE(latest.ShareOf(199).is_none());
+}
+
+/// 100 views of a drive along y = 2 from x = 0 to 40, each 16 m long.
+void AddLongDrive(int drive, std::vector<PatchView>& views) {
+  for (int i = 0; i < 100; ++i) {
+    PatchView& view = views.emplace_back();
+    view.drive = drive;
+    view.site_from_body.translation = Eigen::Vector3d(0.4 * i, 2, 0);
+    view.extent = {Eigen::Vector2d(0.4 * i - 7.9, 0.1), Eigen::Vector2d(0.4 * i + 7.9, 3.9)};
+  }
+}
+
+/// Whether a view counts in the square from `x` to `x` + 4 m that it reaches into.
+bool CountsIn(int x, const PatchView& view, const LatestDrives::Share& share) {
+  return x + 4 > view.extent.min().x() && x <= view.extent.max().x() && share.Counts({x + 2, 2});
+}
+
+TEST(LatestDrives, ChosenViewsOfAnEarlierDriveCountWhereTheyAreNearest) {
+  std::vector<PatchView> views;
+  for (int drive = 0; drive < 2; ++drive) AddLongDrive(drive, views);
+  const LatestDrives latest(views, 3);
+  for (int x = 8; x < 32; x += 4) {
+    int num_counting = 0, num_of_latest = 0;
+    double farthest_counting = 0, nearest_left_out = 100;
+    for (size_t i = 0; i < 100; ++i) {
+      num_of_latest += CountsIn(x, views[100 + i], latest.ShareOf(100 + i));
+      const double distance = std::abs(views[i].site_from_body.translation.x() - (x + 2));
+      if (distance > 7.9) continue;  // it does not look at the square's middle
+      if (CountsIn(x, views[i], latest.ShareOf(i))) {
+        ++num_counting;
+        farthest_counting = std::max(farthest_counting, distance);
+      } else if (!latest.ShareOf(i).is_none()) {
+        nearest_left_out = std::min(nearest_left_out, distance);
+      }
+    }
+    EXPECT_EQ(num_counting, 12) << x;
+    EXPECT_LE(farthest_counting, nearest_left_out) << x;
+    EXPECT_GT(num_of_latest, 2 * num_counting) << x;
+  }
+}
+
+TEST(LatestDrives, TheExtentOfAShareIsThatOfItsSquares) {
+  std::vector<PatchView> views;
+  for (int drive = 0; drive < 2; ++drive) AddLongDrive(drive, views);
+  const LatestDrives latest(views, 3);
+  int num_smaller = 0;
+  for (size_t i = 0; i < views.size(); ++i) {
+    const LatestDrives::Share& share = latest.ShareOf(i);
+    Eigen::AlignedBox2d counting;
+    for (int x = -12; x < 52; x += 4)
+      if (CountsIn(x, views[i], share))
+        counting.extend(Eigen::Vector2d(x, 0)).extend(Eigen::Vector2d(x + 4, 4));
+    ASSERT_EQ(share.Extent().isEmpty(), counting.isEmpty()) << i;
+    if (counting.isEmpty()) continue;
+    EXPECT_EQ(share.Extent().min().x(), counting.min().x()) << i;
+    EXPECT_EQ(share.Extent().max().x(), counting.max().x()) << i;
+    num_smaller += !share.Extent().contains(views[i].extent);
+  }
+  EXPECT_GT(num_smaller, 0) << "of the earlier drive";
 }
 
 TEST(LatestDrives, AGlimpseDoesNotMakeADriveTheLatest) {

@@ -46,6 +46,15 @@ TEST(ChooseNearest, GivesEveryTargetWhatItWantsOrAllThereIs) {
       << "whatever their order";
 }
 
+TEST(NearestOfChosen, GivesEachTargetNoMoreThanItWants) {
+  // Views 0 to 2 show the only target, view 1 was not chosen.
+  const std::vector<TargetView> views = {{3, 0, 0}, {1, 1, 0}, {2, 2, 0}};
+  const std::vector<bool> is_chosen = {true, false, true};
+  EXPECT_EQ(NearestOfChosen(views, is_chosen, {1}), (std::vector{false, false, true}));
+  EXPECT_EQ(NearestOfChosen(views, is_chosen, {2}), (std::vector{true, false, true}));
+  EXPECT_EQ(NearestOfChosen(views, is_chosen, {0}), (std::vector{false, false, false}));
+}
+
 TEST(ChooseNearest, OfNothingTakesNothing) {
   EXPECT_EQ(ChooseNearest({}, 2, {1}), (std::vector{false, false}));
 }
